@@ -1,0 +1,1 @@
+"""Light and matter on one wavelength grid: reflectances, sensitivities, sunlight, bases."""

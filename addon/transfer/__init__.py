@@ -1,0 +1,1 @@
+"""From reflectance to matrix, and how far the colour is off."""

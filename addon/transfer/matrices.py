@@ -1,0 +1,126 @@
+"""Material matrices: reflectance times sky, spectrum by spectrum, in nine numbers.
+
+With sensitivities ``S_in`` (what made the HDRI's numbers) and ``S_out`` (what the scene's working
+space sees), a basis ``B`` of skylight and a reflectance ``rho``::
+
+    A = S_in B^T                        sky matrix
+    M(rho) = S_out diag(rho) B^T A^-1   material matrix
+
+T. Tachi, "Full-Spectral Image-Based Lighting with Skylight".
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from ..spectra import bases, sensitivities
+from ..spectra.working_spaces import DEFAULT_SPACE
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """The linear map from reflectances to matrices, for one HDRI, basis and working space.
+
+    ``S_in``, ``S_out`` (3, 81) with quadrature weights, ``restoration`` (81, 3): ``B^T A^-1``,
+    whose columns are the paper's s_r, s_g, s_b, so that ``restoration @ rgb`` is the spectrum of
+    a sky pixel. ``white`` (3,): the RGB that neutral light had before the HDRI was balanced; None
+    where it was not.
+    """
+
+    S_in: NDArray[np.float64]
+    S_out: NDArray[np.float64]
+    restoration: NDArray[np.float64]
+    white: NDArray[np.float64] | None
+    basis: str
+    space: str
+
+    def matrices(self, reflectances: ArrayLike) -> NDArray[np.float64]:
+        """Return the matrices M of reflectances on the grid, (81,) or (m, 81), in one product.
+
+        Shape (3, 3) or (m, 3, 3): ``M @ rgb`` is the colour that a diffuser of this reflectance
+        returns of light ``rgb``. Linear in the reflectance; entries may be negative.
+        """
+        rho = np.asarray(reflectances, dtype=float)
+        return (rho @ self._kernel).reshape(*rho.shape[:-1], 3, 3)
+
+    @property
+    def to_working(self) -> NDArray[np.float64]:
+        """The matrix M(1) (3, 3) that shows the sky itself in the working space."""
+        return self.matrices(np.ones(self.restoration.shape[0]))
+
+    @cached_property
+    def _kernel(self) -> NDArray[np.float64]:
+        """``M`` per unit of reflectance at every node, (81, 9).
+
+        A balanced HDRI was scaled by ``D = diag(1 / white)``: its light must be unbalanced before
+        it meets the material and balanced again after, for the picture to keep its balance,
+        ``D M D^-1``. A camera's channels are not the working space's: the second scale is then
+        the one that takes neutral light, ``M(1) white``, to (1, 1, 1).
+        """
+        kernel = self.S_out.T[:, :, None] * self.restoration[:, None, :]
+        if self.white is not None:
+            neutral = self.S_out @ self.restoration @ self.white
+            kernel *= self.white / neutral[:, None]
+        return kernel.reshape(-1, 9)
+
+
+def transfer(
+    basis: str = "rayleigh",
+    *,
+    camera: str | None = None,
+    white: ArrayLike | None = None,
+    space: str = DEFAULT_SPACE,
+) -> Transfer:
+    """Prepare the map from reflectances to matrices.
+
+    Parameters
+    ----------
+    basis
+        A name from `bases.BASES`.
+    camera
+        The camera whose raw numbers the HDRI holds, as `sensitivities.camera` understands it;
+        None for a colorimetric HDRI, read into the working space.
+    white
+        RGB of neutral light in the HDRI before it was white-balanced, (3,), above 0.
+    space
+        Working space of the scene: a name from `WORKING_SPACES`.
+
+    Raises
+    ------
+    InputError
+        An unknown basis, camera or space; a white that is not three positive numbers.
+    """
+    if basis not in bases.BASES:
+        raise InputError("--basis", f"'{basis}' is no basis", f"choose {', '.join(bases.BASES)}")
+    S_out = sensitivities.observer(space)
+    S_in = S_out if camera is None else sensitivities.camera(camera)
+    B = bases.BASES[basis]()
+    return Transfer(
+        S_in=S_in,
+        S_out=S_out,
+        restoration=restoration(B, S_in),
+        white=None if white is None else check_white(white),
+        basis=basis,
+        space=space,
+    )
+
+
+def restoration(B: NDArray[np.float64], S_in: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return ``B^T A^-1`` (n, 3) for a basis B (3, n) and sensitivities S_in (3, n)."""
+    # Rows of one length: the result depends on the span of B alone, its rounding on the lengths.
+    B = B / np.linalg.norm(B, axis=1, keepdims=True)
+    A = S_in @ B.T
+    return np.linalg.solve(A.T, B).T
+
+
+def check_white(white: ArrayLike) -> NDArray[np.float64]:
+    """Return ``white`` as three positive floats (3,); `InputError` for anything else."""
+    values = np.asarray(white, dtype=float)
+    if values.shape != (3,) or not np.all(np.isfinite(values) & (values > 0)):
+        raise InputError("--white", f"{white} is no colour", "give three numbers above 0: R,G,B")
+    return values
