@@ -29,14 +29,10 @@ def daylight() -> NDArray[np.float64]:
 
     Judd, MacAdam and Wyszecki 1964 (DOI 10.1364/JOSA.54.001031), from colour-science.
     """
-    from colour.colorimetry import SDS_BASIS_FUNCTIONS_CIE_ILLUMINANT_D_SERIES as functions
+    from colour.colorimetry import SDS_BASIS_FUNCTIONS_CIE_ILLUMINANT_D_SERIES
 
-    return np.stack(
-        [
-            resample(functions[name].wavelengths, functions[name].values)
-            for name in ("S0", "S1", "S2")
-        ]
-    )
+    functions = [SDS_BASIS_FUNCTIONS_CIE_ILLUMINANT_D_SERIES[name] for name in ("S0", "S1", "S2")]
+    return np.stack([resample(function.wavelengths, function.values) for function in functions])
 
 
 BASES: dict[str, Callable[[], NDArray[np.float64]]] = {"rayleigh": rayleigh, "daylight": daylight}
