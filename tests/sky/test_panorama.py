@@ -1,5 +1,6 @@
 """Skies are read as the files hold them, and what is no sky is refused in one line."""
 
+import itertools
 import subprocess
 import sys
 from pathlib import Path
@@ -26,19 +27,26 @@ def rgbe(rgb):
     return np.concatenate([mantissa, exponent[..., None] + 128], axis=2).astype(np.uint8)
 
 
-def packed(line, runs=True):
+def packed(line):
     """One component of a scanline in the new run-length packing."""
-    out, at = bytearray(), 0
-    while at < len(line):
-        end = at + 1
-        while end < len(line) and end - at < 127 and line[end] == line[at]:
-            end += 1
-        if runs and end - at > 2:
-            out += bytes([128 + end - at, line[at]])
-        else:
-            end = min(at + 128, len(line)) if not runs else end
-            out += bytes([end - at]) + bytes(line[at:end])
-        at = end
+    out, literal = bytearray(), bytearray()
+
+    def flush():
+        if literal:
+            out.extend([len(literal), *literal])
+            literal.clear()
+
+    for value, run in itertools.groupby(line):
+        count = len(list(run))
+        while count > 2:
+            flush()
+            out.extend([128 + min(count, 127), value])
+            count -= min(count, 127)
+        for _ in range(count):
+            if len(literal) == 128:
+                flush()
+            literal.append(value)
+    flush()
     return bytes(out)
 
 
