@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -43,19 +43,11 @@ class Reflectances:
     unit: str
     notes: tuple[str, ...]
 
-    def column(self, name: str) -> NDArray[np.float64]:
-        """Return the reflectance (81,) of the one material ``name``; else `InputError`."""
-        if self.names.count(name) > 1:
-            raise InputError(self.path, f"several columns are named '{name}'", "rename them")
-        if name not in self.names:
-            some = ", ".join(f"'{n}'" for n in self.names[:8])
-            more = f" and {len(self.names) - 8} more" if len(self.names) > 8 else ""
-            raise InputError(self.path, f"no column '{name}'", f"there are {some}{more}")
-        return self.values[self.names.index(name)]
 
-
-def read_reflectances(path: str | Path, unit: str | None = None) -> Reflectances:
-    """Read the reflectances of all materials in a CSV file.
+def read_reflectances(
+    path: str | Path, unit: str | None = None, column: str | None = None
+) -> Reflectances:
+    """Read the reflectances of all materials in a CSV file, or of the one that ``column`` names.
 
     Parameters
     ----------
@@ -64,6 +56,8 @@ def read_reflectances(path: str | Path, unit: str | None = None) -> Reflectances
     unit
         ``percent`` or ``fraction``; without it the column headers decide, and without a unit
         there the size of the numbers: over 2 is percent, up to 1.05 a fraction.
+    column
+        The header of the one column that matters: errors in others are not looked for.
 
     Returns
     -------
@@ -75,13 +69,18 @@ def read_reflectances(path: str | Path, unit: str | None = None) -> Reflectances
     InputError
         What `read_table` raises, and: a largest value between 1.05 and 2 without a unit; NaN or
         values under 0 or over 1.05 (fluorescence); a gap over 20 nm inside 400-700 nm; a range
-        that does not cover 400-700 nm. The message names line and column.
+        that does not cover 400-700 nm; no such column, or several. The message names line and
+        column.
     """
     if unit is not None and unit not in UNITS:
         raise InputError("--unit", f"'{unit}' is no unit", "choose percent or fraction")
     table = _visible(read_table(path))
     _check_range(table)
     percent, notes = _percent_columns(table, unit)
+    if column is not None:
+        k = _index(table, column)
+        table = replace(table, names=(column,), values=table.values[:, [k]])
+        percent = percent[[k]]
     values = np.where(percent, table.values / 100.0, table.values)
     _check_values(table, values, percent)
     if table.unsorted:
@@ -119,16 +118,14 @@ def read_assigned(text: str, unit: str | None = None) -> tuple[str, NDArray[np.f
     `read_reflectances` does.
     """
     path, column = split_assignment(text)
-    reflectances = read_reflectances(path, unit)
-    if column is None:
-        if len(reflectances.names) > 1:
-            raise InputError(
-                path,
-                f"holds {len(reflectances.names)} materials",
-                f"name one, as in {path.name}:{reflectances.names[0]}",
-            )
-        column = reflectances.names[0]
-    return column, reflectances.column(column)
+    reflectances = read_reflectances(path, unit, column)
+    if len(reflectances.names) > 1:
+        raise InputError(
+            path,
+            f"holds {len(reflectances.names)} materials",
+            f"name one, as in {path.name}:{reflectances.names[0]}",
+        )
+    return reflectances.names[0], reflectances.values[0]
 
 
 def reflectance_hash(values: NDArray[np.float64]) -> str:
@@ -141,14 +138,23 @@ def _visible(table: Table) -> Table:
     first = max(np.searchsorted(table.wavelengths, WAVELENGTHS[0], side="right") - 1, 0)
     last = np.searchsorted(table.wavelengths, WAVELENGTHS[-1], side="left") + 1
     keep = slice(first, last)
-    return Table(
-        path=table.path,
-        names=table.names,
+    return replace(
+        table,
         wavelengths=table.wavelengths[keep],
         values=table.values[keep],
         lines=table.lines[keep],
-        unsorted=table.unsorted,
     )
+
+
+def _index(table: Table, column: str) -> int:
+    """Return where the one column of this name stands."""
+    if table.names.count(column) > 1:
+        raise InputError(table.path, f"several columns are named '{column}'", "rename them")
+    if column not in table.names:
+        some = ", ".join(f"'{name}'" for name in table.names[:8])
+        more = f" and {len(table.names) - 8} more" if len(table.names) > 8 else ""
+        raise InputError(table.path, f"no column '{column}'", f"there are {some}{more}")
+    return table.names.index(column)
 
 
 def _check_range(table: Table) -> None:
