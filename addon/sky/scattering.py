@@ -10,12 +10,14 @@ half of the sphere is level ground, lit by sun and sky.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 from ..spectra.grid import WAVELENGTHS
+from ..spectra.sensitivities import observer
 from ..spectra.sunlight import extraterrestrial_sunlight
 
 EARTH_RADIUS = 6.371e6
@@ -26,6 +28,12 @@ HAZE_SCALE_HEIGHT = 1200.0
 
 SUN_ANGULAR_RADIUS = 0.2665
 """[degrees] at one astronomical unit."""
+
+WHITE_LUMINANCE = 1.0e4
+"""[cd/m^2] that RGB (1, 1, 1) of `sky_rgb` stands for: by day a white wall is then near 1."""
+
+LUMINOUS_EFFICACY = 683.002
+"""[lm/W] at 555 nm, CIE 018:2019."""
 
 _STEPS = 40
 _SUN_STEPS = 24
@@ -126,6 +134,12 @@ def clear_sky(
     if sun_disc:
         _add_disc(radiance, sun, direct, elevations, longitudes)
     return radiance
+
+
+def sky_rgb(sun_elevation: float, height: int = 256, **settings: Any) -> NDArray[np.float32]:
+    """Return `clear_sky` in linear Rec.709, (height, 2 height, 3), 1 for `WHITE_LUMINANCE`."""
+    scale = LUMINOUS_EFFICACY / WHITE_LUMINANCE
+    return clear_sky(sun_elevation, height, sensitivities=observer() * scale, **settings)
 
 
 def _direction(elevation: ArrayLike, longitude: ArrayLike) -> NDArray[np.float64]:

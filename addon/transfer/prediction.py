@@ -37,6 +37,11 @@ class Prediction:
     colour: NDArray[np.float64]
     out_of_gamut: NDArray[np.bool_]
 
+    @property
+    def known(self) -> bool:
+        """Whether there was light to predict from."""
+        return bool(np.isfinite(self.matrix).all())
+
 
 def predict(transfer: Transfer, reflectances: ArrayLike, lights: ArrayLike) -> Prediction:
     """Predict the errors of reflectances (m, 81) under lights (k, 3), RGB irradiances of the HDRI.

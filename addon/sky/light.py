@@ -1,0 +1,100 @@
+"""A sky taken apart for lighting: sun, sky irradiance, and the light on faces of a building."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .irradiance import Fit, exact_irradiance, fit_coefficients
+from .panorama import Panorama
+from .polynomial import exponents
+from .sun import Sun, separate_sun
+
+
+def _faces() -> NDArray[np.float64]:
+    tilts = np.radians([45.0, 90.0])
+    azimuths = np.radians([90.0, 0.0, 270.0, 180.0])  # north, east, south, west
+    ring = np.stack([np.cos(azimuths), np.sin(azimuths), np.zeros(4)], axis=-1)
+    faces = [np.array([[0.0, 0.0, 1.0]])]
+    for tilt in tilts:
+        faces.append(np.sin(tilt) * ring + np.cos(tilt) * np.array([0.0, 0.0, 1.0]))
+    return np.concatenate(faces)
+
+
+FACES: NDArray[np.float64] = _faces()
+"""Normals (9, 3) that stand for a building: up, then 45° and vertical to N, E, S and W."""
+
+
+@dataclass(frozen=True)
+class SkyLight:
+    """What of a sky lights materials.
+
+    ``fit``: coefficients of the sky's irradiance without the sun's disc; ``sun``: the disc, or
+    None; ``sky`` (h, 2 h, 3): the panorama without the disc; ``faces`` (9, 3): RGB irradiance of
+    the sky on `FACES`.
+    """
+
+    name: str
+    sky: NDArray[np.float32]
+    fit: Fit
+    sun: Sun | None
+    faces: NDArray[np.float64]
+
+    @property
+    def sun_share(self) -> float:
+        """The part (0 to 1) of the light on level ground that is the sun's."""
+        return self.sun.share if self.sun else 0.0
+
+    @property
+    def caption(self) -> str:
+        """What a picture must say as long as neither occlusion nor the sun are in it."""
+        if self.sun is None:
+            return "open sky: no shadows yet"
+        share = f"{100 * self.sun_share:.0f} % of this sky's light"
+        return f"open sky: no shadows yet; the sun ({share}) is not on your materials"
+
+    def report(self) -> dict[str, Any]:
+        """Return all that was found as plain numbers and text, ready for JSON or blend data.
+
+        Polynomial: ``degree``, ``exponents`` (a, b, c) of x^a y^b z^c and ``coefficients`` RGB of
+        each, irradiance / pi; ``errors`` of each degree as fractions; the ``sun`` where there is.
+        """
+        sun = self.sun
+        return {
+            "name": self.name,
+            "degree": self.fit.degree,
+            "exponents": [list(exponent) for exponent in exponents(self.fit.degree)],
+            "coefficients": self.fit.coefficients.tolist(),
+            "errors": [asdict(error) for error in self.fit.errors],
+            "upward": self.faces[0].tolist(),
+            "caption": self.caption,
+        } | (
+            {}
+            if sun is None
+            else {
+                "sun": {
+                    "direction": sun.direction.tolist(),
+                    "elevation": sun.elevation,
+                    "azimuth": sun.azimuth,
+                    "angular_radius": sun.angular_radius,
+                    "irradiance": sun.irradiance.tolist(),
+                    "share": sun.share,
+                    "clipped": sun.clipped,
+                }
+            }
+        )
+
+
+def analyse(panorama: Panorama, degree: int | None = None) -> SkyLight:
+    """Set the sun apart and fit the irradiance polynomial; `degree` as in `fit_coefficients`."""
+    sky, sun = separate_sun(panorama.rgb)
+    return SkyLight(
+        name=panorama.name,
+        sky=sky,
+        fit=fit_coefficients(sky, degree),
+        sun=sun,
+        faces=exact_irradiance(sky, FACES),
+    )
