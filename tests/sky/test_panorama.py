@@ -10,6 +10,7 @@ import OpenEXR
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.sky import panorama
 from spectral_skylight.addon.sky.panorama import from_pixels, read_panorama, write_panorama

@@ -1,0 +1,214 @@
+"""Irradiance that a sky gives to a face of any orientation, exact for pixels of even radiance.
+
+Irradiance here is E / pi, so that a white diffuser's radiance equals it. A row of the sky, seen
+from a face, is in front of it between two azimuths, and there the cosine is linear in the
+direction. So the sum over a row is the normal times the row's vector integral of radiance
+between those azimuths, a difference of running sums: no pixel is visited twice, and the horizon
+clips inside a pixel as it should.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .panorama import directions
+from .polynomial import HIGHEST_DEGREE, monomials
+
+_ROWS = 256
+"""Rows that a sky is brought to: finer ones are summed up (what they send to a face wholly in
+front of them is kept exactly), coarser ones split. Within a row the clip is taken at mid-height, which is right to 4e-5 of
+the irradiance under an even sky: at most a quarter of the row's height squared."""
+
+_NORMALS_AT_ONCE = 128
+
+
+def exact_irradiance(rgb: ArrayLike, normals: ArrayLike) -> NDArray[np.float64]:
+    """Return the cosine-weighted mean of the sky over each normal's hemisphere, (m, 3).
+
+    Parameters
+    ----------
+    rgb
+        Lat-long radiance, (h, 2 h, 3), row 0 at the zenith.
+    normals
+        (m, 3); their length does not count.
+    """
+    return _gather(_running_sums(rgb), np.asarray(normals, dtype=float))
+
+
+def irradiance_map(rgb: ArrayLike, width: int = 64) -> NDArray[np.float32]:
+    """Return the irradiance of faces that look where the pixels of a panorama do.
+
+    Shape (width / 2, width, 3), lat-long as the sky itself; `width` is even and at least 2.
+    """
+    if width < 2 or width % 2:
+        raise ValueError(f"width {width} is not an even number of at least 2")
+    normals = directions(width // 2, width)
+    values = exact_irradiance(rgb, normals.reshape(-1, 3))
+    return values.reshape(normals.shape).astype(np.float32)
+
+
+def _running_sums(rgb: ArrayLike) -> NDArray[np.float64]:
+    """Sum radiance times direction along each row, (rows, columns + 1, 3 directions, 3 RGB).
+
+    Integrals over a pixel are in closed form; sums are in float64.
+    """
+    rgb = np.asarray(rgb)
+    split = -(-_ROWS // rgb.shape[0])
+    if split > 1:
+        rgb = rgb.repeat(split, axis=0).repeat(split, axis=1)
+    height, width = rgb.shape[:2]
+    merge = next(k for k in range(max(1, height // _ROWS), 0, -1) if height % k == 0)
+    elevation = (0.5 - np.arange(height + 1) / height) * np.pi
+    azimuth = (0.5 - np.arange(width + 1) / width) * 2.0 * np.pi
+    # Integrals of cos^2 and of sin cos over a row's elevations, of cos and sin over a column's
+    # azimuths (which run downwards).
+    across = -np.diff(elevation / 2.0 + np.sin(2.0 * elevation) / 4.0)
+    upward = -np.diff(np.sin(elevation) ** 2 / 2.0)
+    by_row = np.stack([across, upward]).reshape(2, -1, 1, merge).swapaxes(0, 1)
+    by_column = np.stack([-np.diff(np.sin(azimuth)), np.diff(np.cos(azimuth))])
+    rows, columns = height // merge, width // merge
+    vectors = np.empty((rows, columns, 3, 3))
+    for row in range(rows):
+        band = rgb[row * merge : (row + 1) * merge].reshape(merge, -1).astype(np.float64)
+        level, up = (by_row[row, :, 0] @ band).reshape(2, columns, merge, 3)
+        turned = by_column.reshape(2, columns, merge, 1) * level
+        vectors[row, :, :2] = turned.sum(axis=2).swapaxes(0, 1)
+        vectors[row, :, 2] = up.sum(axis=1) * (2.0 * np.pi / width)
+    sums = np.zeros((rows, columns + 1, 3, 3))
+    np.cumsum(vectors, axis=1, out=sums[:, 1:])
+    return sums
+
+
+def _gather(sums: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Add up what lies in front of each normal, (m, 3)."""
+    rows, columns = sums.shape[0], sums.shape[1] - 1
+    flat = sums.reshape(-1, 9)
+    elevation = (0.5 - (np.arange(rows) + 0.5) / rows) * np.pi
+    first = np.arange(rows) * (columns + 1)
+    normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    result = np.empty((len(normals), 3))
+    for start in range(0, len(normals), _NORMALS_AT_ONCE):
+        normal = normals[start : start + _NORMALS_AT_ONCE]
+        level = np.hypot(normal[:, 0], normal[:, 1])[:, None]
+        # n . d = level cos(elevation) cos(azimuth - that of n) + n_z sin(elevation) is positive
+        # up to `half` on either side of the normal's azimuth.
+        below = -normal[:, 2:] * np.sin(elevation)
+        half = np.arccos(np.clip(below / np.maximum(level * np.cos(elevation), 1e-300), -1.0, 1.0))
+        azimuth = np.arctan2(normal[:, 1], normal[:, 0])[:, None]
+        total = np.zeros((len(normal), 9))
+        for sign, edge in ((1.0, azimuth - half), (-1.0, azimuth + half)):
+            column = (0.5 - edge / (2.0 * np.pi)) * columns
+            turns, column = np.divmod(column, columns)
+            left = np.minimum(column.astype(np.intp), columns - 1)
+            share = (column - left)[..., None]
+            at = first + left
+            value = flat[at] * (1.0 - share) + flat[at + 1] * share
+            total += sign * (value.sum(axis=1) + turns @ sums[:, -1].reshape(rows, 9))
+        result[start : start + len(normal)] = np.einsum(
+            "ma,mac->mc", normal, total.reshape(-1, 3, 3)
+        )
+    return result / np.pi
+
+
+RGB_TO_XYZ = np.array(
+    [
+        [0.4123908, 0.3575843, 0.1804808],
+        [0.2126390, 0.7151687, 0.0721923],
+        [0.0193308, 0.1191948, 0.9505322],
+    ]
+)
+"""Linear Rec.709 to CIE XYZ (ITU-R BT.709-6)."""
+
+
+@dataclass(frozen=True)
+class DegreeError:
+    """What a polynomial leaves of the exact irradiance, over normals with z >= 0."""
+
+    degree: int
+    mean: float
+    """Mean relative error of luminance."""
+    worst: float
+    """Worst relative error of luminance."""
+    chromaticity: float
+    """Worst distance in u'v'."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A sky's irradiance / pi as a polynomial of the normal."""
+
+    degree: int
+    coefficients: NDArray[np.float64]
+    """((degree + 1)^2, 3), RGB, in the order of `polynomial.exponents`."""
+    errors: tuple[DegreeError, ...]
+    """What each degree from 0 to 6 would leave, whichever was chosen."""
+
+
+def fit_coefficients(
+    rgb: ArrayLike,
+    degree: int | None = None,
+    tolerance: float = 0.01,
+    to_xyz: ArrayLike = RGB_TO_XYZ,
+) -> Fit:
+    """Fit a polynomial of the normal to a sky's exact irradiance, by least squares.
+
+    Relative errors of luminance count, those of faces that look downwards (soffits) a quarter:
+    that leaves less over the upper hemisphere than an even fit, and about as much under it. Errors
+    are measured in directions that the fit does not use; where less than a thousandth of the
+    brightest light falls they are relative to that thousandth.
+
+    Parameters
+    ----------
+    rgb
+        Lat-long radiance, (h, 2 h, 3), the sun's disc taken out.
+    degree
+        0 to 6. Without one, the lowest that leaves at most `tolerance` at worst, else 6.
+    to_xyz
+        From the sky's colour space to CIE XYZ, (3, 3), for luminance and u'v'.
+    """
+    if degree is not None and not 0 <= degree <= HIGHEST_DEGREE:
+        raise ValueError(f"degree {degree} is not in 0 to {HIGHEST_DEGREE}")
+    to_xyz = np.asarray(to_xyz, dtype=float)
+    sums = _running_sums(rgb)
+    fitted, checked = _spread(1000, 0.0), _spread(1501, 1.0)
+    checked = checked[checked[:, 2] >= 0.0]
+    target, truth = _gather(sums, fitted), _gather(sums, checked) @ to_xyz.T
+    luminance = target @ to_xyz[1]
+    darkest = max(1e-3 * luminance.max(), 1e-300)
+    # A little below the horizon still counts in full, for there the polynomial must not run away.
+    weight = np.where(fitted[:, 2] >= -0.1, 1.0, 0.25) / np.maximum(luminance, darkest)
+    coefficients, errors = [], []
+    for each in range(HIGHEST_DEGREE + 1):
+        terms = monomials(fitted, each) * weight[:, None]
+        solution = np.linalg.lstsq(terms, target * weight[:, None], rcond=None)[0]
+        estimate = monomials(checked, each) @ solution @ to_xyz.T
+        relative = np.abs(estimate - truth)[:, 1] / np.maximum(truth[:, 1], darkest)
+        colour = np.linalg.norm(_uv(estimate, darkest) - _uv(truth, darkest), axis=1)
+        coefficients.append(solution)
+        left = (float(relative.mean()), float(relative.max()), float(colour.max()))
+        errors.append(DegreeError(each, *left))
+    if degree is None:
+        fine = (error.degree for error in errors if error.worst <= tolerance)
+        degree = next(fine, HIGHEST_DEGREE)
+    return Fit(degree, coefficients[degree], tuple(errors))
+
+
+def _spread(count: int, turn: float) -> NDArray[np.float64]:
+    """Return evenly spread unit vectors, (count, 3): a Fibonacci spiral.
+
+    R. Swinbank and R. J. Purser 2006, DOI 10.1256/qj.05.227.
+    """
+    index = np.arange(count) + 0.5
+    z = 1.0 - 2.0 * index / count
+    azimuth = index * np.pi * (3.0 - 5.0**0.5) + turn
+    level = np.sqrt(1.0 - z * z)
+    return np.stack([level * np.cos(azimuth), level * np.sin(azimuth), z], axis=1)
+
+
+def _uv(xyz: NDArray[np.float64], darkest: float) -> NDArray[np.float64]:
+    """Return CIE 1976 u'v', (m, 2), of XYZ, (m, 3)."""
+    total = np.maximum(xyz @ [1.0, 15.0, 3.0], darkest)
+    return xyz[:, :2] * [4.0, 9.0] / total[:, None]
