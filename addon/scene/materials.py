@@ -1,0 +1,259 @@
+"""Putting the sky's spectral light on materials, and taking it off again without a trace.
+
+Only the Surface input of the active Material Outputs is touched. What is needed to undo lies in the
+material itself, as custom properties of the material and its nodes: they survive renaming, copying,
+saving and undo. A copy of a managed material is managed too, on its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ...node_groups import skylight_surface, spectral_matrix
+from ...node_groups import tree as groups
+from ..errors import InputError
+from . import nodes, sky_light
+
+MANAGED = "spectral_skylight"  # on the material: what it was given
+OURS = "spectral_skylight_node"  # on the nodes that we added
+OUTPUT = "spectral_skylight_output"  # on an output: the number under which …
+SOURCE = "spectral_skylight_source"  # … the node that fed it remembers its socket
+
+ENGINES = ("EEVEE", "CYCLES")
+
+
+@dataclass(frozen=True)
+class Managed:
+    """What a managed material was given."""
+
+    reflectance_name: str
+    reflectance_hash: str
+    version: int
+    extra: dict[str, Any]
+    matrix: list[list[float]]
+    world: bpy.types.World | None
+
+
+def apply(
+    material: bpy.types.Material,
+    world: bpy.types.World,
+    matrix,
+    *,
+    reflectance_name: str,
+    reflectance_hash: str,
+    extra: dict[str, Any] | None = None,
+) -> None:
+    """Light a material by the sky of a World through its matrix (3, 3); twice is once.
+
+    Its Normal and Alpha stay what the replaced shader had. `extra` is kept with the material
+    (numbers, strings, lists). Raises InputError for a linked or overridden material and
+    where `world.sky_of` does; the material is untouched then.
+    """
+    check_editable(material)
+    group = sky_light.ensure(world)
+    node = _surface_node(material)
+    if node is None or not node.outputs[0].is_linked:  # new, or a user has unplugged or deleted it
+        remove(material)
+        node = _take_over(material, group)
+    node.node_tree = group
+    spectral_matrix.set_matrix(node, matrix)
+    kept = material.get(MANAGED, {})
+    material[MANAGED] = {
+        "id": skylight_surface.KIND,
+        "version": skylight_surface.VERSION,
+        "reflectance": reflectance_name,
+        "reflectance_hash": reflectance_hash,
+        "extra": extra or {},
+        "without_nodes": kept.get("without_nodes", False),
+    }
+
+
+def update(material: bpy.types.Material, matrix) -> None:
+    """Give a managed material another matrix, as after a change of sky or working space.
+
+    Raises InputError if the material is not managed or not editable.
+    """
+    check_editable(material)
+    node = _surface_node(material)
+    if node is None:
+        raise InputError(f'material "{material.name}"', "has no reflectance yet", "apply one first")
+    spectral_matrix.set_matrix(node, matrix)
+
+
+def remove(material: bpy.types.Material) -> None:
+    """Give a material back as it was before `apply`; one that is not managed stays as it is.
+
+    An output that a user has plugged elsewhere since keeps that. The World's groups leave with the
+    last material. Raises InputError for a linked or overridden material.
+    """
+    if MANAGED not in material:
+        return
+    check_editable(material)
+    tree = material.node_tree
+    node = _surface_node(material)
+    ours = node.outputs[0] if node else None
+    for output in [n for n in tree.nodes if OUTPUT in n]:
+        surface = output.inputs["Surface"]
+        number = str(output[OUTPUT])
+        lost = not surface.is_linked
+        if lost or surface.links[0].from_socket == ours:
+            for link in list(surface.links):
+                tree.links.remove(link)
+            _plug_back(tree, surface, number)
+        del output[OUTPUT]
+    group = node.node_tree if node else None
+    for added in [n for n in tree.nodes if OURS in n]:
+        tree.nodes.remove(added)
+    for source in [n for n in tree.nodes if SOURCE in n]:
+        del source[SOURCE]
+    if material[MANAGED].get("without_nodes"):
+        material.use_nodes = False  # Blender 4.5; its tree is then the one that Blender makes
+    del material[MANAGED]
+    if group is not None and group.users == 0:
+        sky_light.remove(group)
+
+
+def is_managed(material: bpy.types.Material | None) -> bool:
+    """Whether a material has our surface (also a copy, and one that is linked from a library)."""
+    return material is not None and MANAGED in material and _surface_node(material) is not None
+
+
+def managed_materials(world: bpy.types.World | None = None) -> list[bpy.types.Material]:
+    """All managed materials of the file, or those under one World's sky."""
+    return [
+        material
+        for material in bpy.data.materials
+        if is_managed(material) and (world is None or managed(material).world == world)
+    ]
+
+
+def managed(material: bpy.types.Material) -> Managed | None:
+    """What a material was given, None if it is not managed."""
+    if not is_managed(material):
+        return None
+    record, node = material[MANAGED].to_dict(), _surface_node(material)
+    return Managed(
+        reflectance_name=record["reflectance"],
+        reflectance_hash=record["reflectance_hash"],
+        version=record["version"],
+        extra=record["extra"],
+        matrix=spectral_matrix.get_matrix(node),
+        world=skylight_surface.world_of(node.node_tree) if node.node_tree else None,
+    )
+
+
+def materials_of(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Material]:
+    """The materials in the objects' slots, linked to object or data, each once, in order."""
+    slots = (slot.material for obj in objects for slot in obj.material_slots)
+    return list(dict.fromkeys(material for material in slots if material is not None))
+
+
+def check_editable(material: bpy.types.Material) -> None:
+    """Raise InputError for a material that cannot be changed in this file."""
+    place = f'material "{material.name}"'
+    if material.library is not None:
+        raise InputError(
+            place,
+            f'is linked from "{material.library.filepath}"',
+            "make it local, or edit it there",
+        )
+    if material.override_library is not None or not material.is_editable:
+        raise InputError(
+            place, "is a library override", "make it local, or edit it in its own file"
+        )
+    if material.grease_pencil is not None:
+        raise InputError(place, "is for Grease Pencil", "choose a surface material")
+
+
+def _surface_node(material: bpy.types.Material) -> bpy.types.Node | None:
+    tree = material.node_tree
+    found = (n for n in tree.nodes if n.get(OURS) == "surface") if tree else ()
+    return next((node for node in found if node.type == "GROUP"), None)
+
+
+def _outputs(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
+    """The outputs that the engines show: one for both, or one each."""
+    found = (tree.get_output_node(engine) for engine in ENGINES)
+    return list(dict.fromkeys(node for node in found if node is not None and node.id_data == tree))
+
+
+def _take_over(material: bpy.types.Material, group: bpy.types.NodeTree) -> bpy.types.Node:
+    without_nodes = bpy.app.version < (5, 0, 0) and not material.use_nodes
+    nodes.use(material)
+    material[MANAGED] = {"without_nodes": without_nodes}
+    tree = material.node_tree
+    outputs = _outputs(tree)
+    if not outputs:
+        outputs = [groups.add(tree, "ShaderNodeOutputMaterial")]
+        outputs[0][OURS] = "output"
+    node = groups.add(tree, "ShaderNodeGroup", node_tree=group, name=group.name, label=group.name)
+    node[OURS] = "surface"
+    node.location = outputs[0].location.x - 40, outputs[0].location.y + 260
+    for number, output in enumerate(outputs):
+        surface = output.inputs["Surface"]
+        output[OUTPUT] = number
+        if surface.is_linked:
+            link = surface.links[0]
+            memory = dict(link.from_node.get(SOURCE, {}))
+            memory[str(number)] = [link.from_socket.identifier, str(int(link.is_muted))]
+            link.from_node[SOURCE] = memory
+            if number == 0:
+                _carry_over(tree, nodes.source(surface), node)
+        tree.links.new(node.outputs[0], surface)
+    return node
+
+
+def _plug_back(tree: bpy.types.NodeTree, surface: bpy.types.NodeSocket, number: str) -> None:
+    for source in tree.nodes:
+        if number not in source.get(SOURCE, {}):
+            continue
+        identifier, muted = source[SOURCE][number]
+        for socket in source.outputs:
+            if socket.identifier == identifier:
+                tree.links.new(socket, surface).is_muted = muted == "1"
+                return
+
+
+def _carry_over(
+    tree: bpy.types.NodeTree, shader: bpy.types.NodeSocket | None, node: bpy.types.Node
+) -> None:
+    """Link our Normal and Alpha to what the shader before had there."""
+    if shader is None:
+        return
+    normal = _linked_normal(shader.node)
+    if normal is not None:
+        tree.links.new(normal.links[0].from_socket, node.inputs["Normal"])
+    opacity = _opacity(shader.node)
+    if opacity is None:
+        return
+    if opacity.is_linked:
+        tree.links.new(opacity.links[0].from_socket, node.inputs["Alpha"])
+    else:
+        node.inputs["Alpha"].default_value = opacity.default_value
+
+
+def _linked_normal(node: bpy.types.Node) -> bpy.types.NodeSocket | None:
+    """The linked Normal input of a shader, or of the first shader in a mix that has one."""
+    normal = node.inputs.get("Normal")
+    if normal is not None and normal.is_linked:
+        return normal
+    for socket in node.inputs:
+        part = nodes.source(socket) if socket.type == "SHADER" else None
+        normal = _linked_normal(part.node) if part else None
+        if normal is not None:
+            return normal
+    return None
+
+
+def _opacity(node: bpy.types.Node) -> bpy.types.NodeSocket | None:
+    """The Alpha input of a shader, or the factor that mixes it over a Transparent BSDF."""
+    if node.type == "MIX_SHADER":
+        below = nodes.source(node.inputs[1])
+        if below is not None and below.node.type == "BSDF_TRANSPARENT":
+            return node.inputs[0]
+        return None
+    return node.inputs.get("Alpha")

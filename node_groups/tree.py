@@ -1,0 +1,90 @@
+"""Making shader node groups from Python, and bringing old ones up to date in place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import bpy
+
+# Custom properties by which a group of ours is found again, whatever a user calls it.
+KIND = "spectral_skylight_kind"
+VERSION = "spectral_skylight_version"
+
+# name, socket type ("NodeSocketVector", …), default value or None
+Socket = tuple[str, str, Any]
+
+
+def of_kind(kind: str) -> list[bpy.types.NodeTree]:
+    """This file's own groups of a kind; those of linked libraries cannot be edited here."""
+    return [t for t in bpy.data.node_groups if t.library is None and t.get(KIND) == kind]
+
+
+def ensure(
+    tree: bpy.types.NodeTree | None,
+    kind: str,
+    version: int,
+    inputs: list[Socket],
+    outputs: list[Socket],
+    build: Callable[[bpy.types.NodeTree], None],
+) -> bpy.types.NodeTree:
+    """A group of a kind at this version: the given one, brought up to date in place, or a new one.
+
+    An older group keeps its identity and its sockets, and with them (`interface.clear()` would
+    lose them) its users' values and links; missing sockets are added, the inside is built anew.
+    """
+    if tree is None:
+        tree = bpy.data.node_groups.new(kind, "ShaderNodeTree")
+        tree[KIND] = kind
+    if tree.get(VERSION) == version:
+        return tree
+    for in_out, sockets in (("INPUT", inputs), ("OUTPUT", outputs)):
+        for name, socket_type, value in sockets:
+            _ensure_socket(tree, in_out, name, socket_type, value)
+    tree.nodes.clear()
+    build(tree)
+    tree[VERSION] = version
+    return tree
+
+
+def _ensure_socket(
+    tree: bpy.types.NodeTree, in_out: str, name: str, socket_type: str, value: Any
+) -> None:
+    for item in tree.interface.items_tree:
+        if item.item_type == "SOCKET" and item.in_out == in_out and item.name == name:
+            return
+    socket = tree.interface.new_socket(name, in_out=in_out, socket_type=socket_type)
+    if value is not None:
+        socket.default_value = value
+
+
+def add(tree: bpy.types.NodeTree, type_name: str, *sources: Any, **settings: Any) -> bpy.types.Node:
+    """A new node with its settings, its inputs in order linked (a socket) or set (a value).
+
+    None leaves an input as it is.
+    """
+    node = tree.nodes.new(type_name)
+    for name, value in settings.items():
+        setattr(node, name, value)
+    for socket, source in zip(node.inputs, sources, strict=False):
+        if isinstance(source, bpy.types.NodeSocket):
+            tree.links.new(source, socket)
+        elif source is not None:
+            socket.default_value = source
+    return node
+
+
+def arrange(tree: bpy.types.NodeTree) -> None:
+    """Lay the nodes out in columns by how far they stand from the output, for whoever opens it."""
+    depth: dict[str, int] = {}
+    for node in reversed(tree.nodes):  # builders add a node after what feeds it
+        depth.setdefault(node.name, 0)
+        for socket in node.inputs:
+            for link in socket.links:
+                name = link.from_node.name
+                depth[name] = max(depth.get(name, 0), depth[node.name] + 1)
+    rows: dict[int, int] = {}
+    for node in tree.nodes:
+        column = depth[node.name]
+        node.location = (-220 * column, -180 * rows.get(column, 0))
+        rows[column] = rows.get(column, 0) + 1
