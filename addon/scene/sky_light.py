@@ -7,6 +7,7 @@ lights unmanaged objects only, for managed ones emit.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import bpy
 import numpy as np
@@ -14,6 +15,8 @@ import numpy as np
 from ...node_groups import sky_irradiance, skylight_surface, spectral_matrix
 from ...node_groups import tree as groups
 from . import world as worlds
+
+DESCRIPTION = "spectral_skylight_description"
 
 
 def ensure(world: bpy.types.World) -> bpy.types.NodeTree:
