@@ -66,6 +66,18 @@ def coefficients_of(world: bpy.types.World) -> np.ndarray | None:
     return np.array(list(sky_irradiance.coefficients(skylight_surface.sky_in(surface)).values()))
 
 
+def describe(world: bpy.types.World, description: dict[str, Any]) -> None:
+    """Keep with a World's light what was found in its sky (numbers, text, lists, dictionaries)."""
+    ensure(world)[DESCRIPTION] = description
+
+
+def description_of(world: bpy.types.World) -> dict[str, Any] | None:
+    """What `describe` kept, None before."""
+    surface = skylight_surface.find(world)
+    kept = None if surface is None else surface.get(DESCRIPTION)
+    return None if kept is None else kept.to_dict()
+
+
 def remove(surface: bpy.types.NodeTree) -> None:
     """Take a `Skylight Surface` group out of the file with what is inside and used nowhere else.
 

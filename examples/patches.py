@@ -1,0 +1,122 @@
+"""The 24 patches in figures: rendered against reference, ours and today's way."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+
+from spectral_skylight.addon.sky.light import SkyLight
+from spectral_skylight.addon.transfer.measures import delta_E, relative_error
+from spectral_skylight.addon.transfer.prediction import Prediction
+
+INSIDE = 0.35
+"""Cosine to the camera from which a pixel is well inside its sphere: its edge is anti-aliased."""
+
+
+def measure(
+    names: tuple[str, ...],
+    prediction: Prediction,
+    surfaces: tuple[np.ndarray, np.ndarray],
+    images: dict[str, np.ndarray],
+    reference: tuple[np.ndarray, np.ndarray] | None,
+) -> list[dict]:
+    """Return one record a patch: means over its pixels of colours and of errors.
+
+    ``surfaces``: patch and normal of every pixel; ``images``: rendered, by ``rgb`` and ``spectral``;
+    ``reference``: the picture and that of white spheres, None under a photographed sky.
+    """
+    surface, normals = surfaces
+    rows = []
+    for k, name in enumerate(names):
+        pixels = (surface == k) & (-normals[..., 1] > INSIDE)
+        row = {
+            "patch": name,
+            "rendered_rgb": images["spectral"][pixels].mean(axis=0).tolist(),
+            "today_rgb": images["rgb"][pixels].mean(axis=0).tolist(),
+            "predicted_delta_E": {
+                "spectral": float(prediction.matrix[k]),
+                "today": float(prediction.rgb[k]),
+            },
+            "out_of_gamut": bool(prediction.out_of_gamut[k]),
+        }
+        if reference is not None:
+            true, white = reference[0][pixels], reference[1][pixels]
+            row["reference_rgb"] = true.mean(axis=0).tolist()
+            row["out_of_gamut"] = bool((true < 0).any())
+            for way, kind in (("spectral", "spectral"), ("today", "rgb")):
+                image = images[kind][pixels]
+                row[f"delta_E_{way}"] = float(delta_E(image, true, white).mean())
+                row[f"relative_error_{way}"] = float(relative_error(image, true).mean())
+        rows.append(row)
+    return rows
+
+
+def write_report(out: Path, rows: list[dict], light: SkyLight, sky: str) -> str:
+    """Write ``report.json`` and ``report.txt``; return the sentence that sums them up."""
+    measured = "delta_E_spectral" in rows[0]
+    lines = [f"Sky: {sky}", light.caption, ""]
+    if measured:
+        means = {
+            key: float(np.mean([row[key] for row in rows]))
+            for key in rows[0]
+            if key.startswith(("delta_E", "relative_error"))
+        }
+        ratio = means["delta_E_today"] / means["delta_E_spectral"]
+        summary = (
+            f"Mean CIEDE2000 over 24 patches: today {means['delta_E_today']:.2f}, "
+            f"spectral {means['delta_E_spectral']:.2f}: {ratio:.1f} times less"
+        )
+    else:
+        means = {
+            f"predicted_delta_E_{way}": float(
+                np.mean([row["predicted_delta_E"][way] for row in rows])
+            )
+            for way in ("today", "spectral")
+        }
+        ratio = means["predicted_delta_E_today"] / means["predicted_delta_E_spectral"]
+        summary = (
+            "Predicted mean CIEDE2000 over 24 patches: today "
+            f"{means['predicted_delta_E_today']:.2f}, "
+            f"spectral {means['predicted_delta_E_spectral']:.2f}: {ratio:.1f} times less"
+        )
+    lines += [_header(measured), *(_line(row, measured) for row in rows), "", summary]
+    outside = [row["patch"] for row in rows if row["out_of_gamut"]]
+    if outside:
+        lines.append(
+            f"Out of gamut, negative components are clamped by Blender: {', '.join(outside)}"
+        )
+    report = {
+        "sky": light.report(),
+        "patches": rows,
+        "means": means,
+        "mean_ratio": ratio,
+        "out_of_gamut": outside,
+    }
+    (out / "report.json").write_text(json.dumps(report, indent=1), encoding="utf-8")
+    (out / "report.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return summary
+
+
+def _header(measured: bool) -> str:
+    if not measured:
+        return f"{'patch':<22} {'rendered RGB':^23} {'ΔE today':>9} {'spectral':>9}  (predicted)"
+    return (
+        f"{'patch':<22} {'rendered RGB':^23} {'reference RGB':^23} "
+        f"{'ΔE today':>9} {'spectral':>9} {'rel. today':>10} {'spectral':>9}"
+    )
+
+
+def _line(row: dict, measured: bool) -> str:
+    text = f"{row['patch']:<22} {_rgb(row['rendered_rgb'])}"
+    if not measured:
+        predicted = row["predicted_delta_E"]
+        return f"{text} {predicted['today']:9.2f} {predicted['spectral']:9.2f}"
+    return (
+        f"{text} {_rgb(row['reference_rgb'])} "
+        f"{row['delta_E_today']:9.2f} {row['delta_E_spectral']:9.2f} "
+        f"{row['relative_error_today']:10.4f} {row['relative_error_spectral']:9.4f}"
+    )
+
+
+def _rgb(values: list[float]) -> str:
+    return " ".join(f"{value:7.4f}" for value in values)

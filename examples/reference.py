@@ -1,0 +1,131 @@
+"""The same pictures in full spectrum, without Blender and without the add-on's matrices.
+
+For every pixel: which surface, its normal, the spectral irradiance of every pixel of the spectral
+sky on it (a plain sum, no polynomial), times the reflectance, seen by the standard observer.
+"""
+
+from collections.abc import Iterator
+
+import colour
+import numpy as np
+from geometry import (
+    BUILDING_CAMERA,
+    CHECKER_CAMERA,
+    SPHERE_RADIUS,
+    Camera,
+    building,
+    sphere_centres,
+)
+
+WAVELENGTHS = np.arange(380.0, 785.0, 5.0)
+
+
+def observer() -> np.ndarray:
+    """Return spectrum to linear Rec.709, (3, 81), in units of 10,000 cd/m² at white."""
+    shape = colour.SpectralShape(380, 780, 5)
+    cmfs = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(shape)
+    weights = np.full(WAVELENGTHS.size, 5.0)
+    weights[[0, -1]] = 2.5
+    to_RGB = np.linalg.inv(colour.RGB_COLOURSPACES["ITU-R BT.709"].matrix_RGB_to_XYZ)
+    return to_RGB @ (cmfs.values.T * weights) * 683.002 / 1e4
+
+
+def sky_directions(height: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return directions (h, 2h, 3) and solid angles (h, 2h) of a lat-long sky's pixels."""
+    elevation = np.pi * (0.5 - (np.arange(height) + 0.5) / height)
+    azimuth = 2 * np.pi * (0.5 - (np.arange(2 * height) + 0.5) / (2 * height))
+    theta, phi = np.meshgrid(elevation, azimuth, indexing="ij")
+    directions = np.stack(
+        [np.cos(theta) * np.cos(phi), np.cos(theta) * np.sin(phi), np.sin(theta)], axis=-1
+    )
+    return directions, np.cos(theta) * (np.pi / height) ** 2
+
+
+def irradiance(sky: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Return the irradiance/π (m, 81) of a spectral sky (h, 2h, 81) on faces (m, 3)."""
+    directions, solid = sky_directions(sky.shape[0])
+    light = (sky * solid[..., None]).reshape(-1, sky.shape[-1]).astype(np.float32) / np.pi
+    directions = directions.reshape(-1, 3).astype(np.float32)
+    result = np.empty((len(normals), sky.shape[-1]))
+    for start in range(0, len(normals), 128):
+        cosine = normals[start : start + 128].astype(np.float32) @ directions.T
+        result[start : start + 128] = np.maximum(cosine, 0.0) @ light
+    return result
+
+
+def checker_normals(camera: Camera = CHECKER_CAMERA) -> tuple[np.ndarray, np.ndarray]:
+    """Return for every pixel the sphere it shows, -1 for none, and the normal: (h, w), (h, w, 3)."""
+    origins, directions = camera.rays()
+    surface = np.full(origins.shape[:2], -1)
+    normals = np.zeros(origins.shape)
+    for k, centre in enumerate(sphere_centres()):
+        offset = origins - centre
+        along = -np.einsum("hwc,hwc->hw", offset, directions)
+        square = np.einsum("hwc,hwc->hw", offset, offset) - along**2
+        hit = square < SPHERE_RADIUS**2
+        distance = along[hit] - np.sqrt(SPHERE_RADIUS**2 - square[hit])
+        surface[hit] = k
+        normals[hit] = (offset[hit] + distance[:, None] * directions[hit]) / SPHERE_RADIUS
+    return surface, normals
+
+
+def building_normals(camera: Camera = BUILDING_CAMERA) -> tuple[np.ndarray, np.ndarray]:
+    """Return for every pixel the material's index in `building`, -1 for none, and the normal."""
+    origins, directions = camera.rays()
+    nearest = np.full(origins.shape[:2], np.inf)
+    surface = np.full(origins.shape[:2], -1)
+    normals = np.zeros(origins.shape)
+    for k, triangle in _triangles():
+        a, b, c = triangle
+        normal = np.cross(b - a, c - a)
+        normal /= np.linalg.norm(normal)
+        facing = directions @ normal
+        with np.errstate(divide="ignore", invalid="ignore"):
+            distance = ((a - origins) @ normal) / facing
+        point = origins + distance[..., None] * directions
+        inside = np.ones(surface.shape, dtype=bool)
+        for p, q in ((a, b), (b, c), (c, a)):
+            inside &= np.cross(q - p, point - p) @ normal >= -1e-9
+        hit = inside & (distance > 0) & (distance < nearest)
+        nearest[hit] = distance[hit]
+        surface[hit] = k
+        # Blender turns the normal of a face that is seen from behind.
+        normals[hit] = np.where(facing[hit, None] < 0, normal, -normal)
+    return surface, normals
+
+
+def _triangles() -> Iterator[tuple[int, np.ndarray]]:
+    for k, polygons in enumerate(building().values()):
+        for polygon in polygons:
+            corners = np.array(polygon, dtype=float)
+            for i in range(1, len(corners) - 1):
+                yield k, corners[[0, i, i + 1]]
+
+
+def picture(
+    sky: np.ndarray,
+    surface: np.ndarray,
+    normals: np.ndarray,
+    reflectances: np.ndarray,
+    camera: Camera,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the picture (h, w, 3) in linear Rec.709, and that of white surfaces instead."""
+    S = observer()
+    shown = surface >= 0
+    unique, index = np.unique(np.round(normals[shown], 6), axis=0, return_inverse=True)
+    E = irradiance(sky, unique)[index.reshape(-1)]
+    image = _background(sky @ S.T, camera)
+    white = image.copy()
+    image[shown] = (E * reflectances[surface[shown]]) @ S.T
+    white[shown] = E @ S.T
+    return image, white
+
+
+def _background(sky_rgb: np.ndarray, camera: Camera) -> np.ndarray:
+    _, directions = camera.rays()
+    height = sky_rgb.shape[0]
+    u = 0.5 - np.arctan2(directions[..., 1], directions[..., 0]) / (2 * np.pi)
+    v = 0.5 - np.arcsin(np.clip(directions[..., 2], -1, 1)) / np.pi
+    row = np.minimum((v * height).astype(int), height - 1)
+    column = np.minimum((u * 2 * height).astype(int), 2 * height - 1)
+    return sky_rgb[row, column].astype(float)
