@@ -7,6 +7,7 @@ saving and undo. A copy of a managed material is managed too, on its own.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -50,7 +51,7 @@ def apply(
     """Light a material by the sky of a World through its matrix (3, 3); twice is once.
 
     Its Normal and Alpha stay what the replaced shader had. `extra` is kept with the material
-    (numbers, strings, lists). Raises InputError for a linked or overridden material and
+    (anything that JSON can hold). Raises InputError for a linked or overridden material and
     where `world.sky_of` does; the material is untouched then.
     """
     check_editable(material)
@@ -67,7 +68,7 @@ def apply(
         "version": skylight_surface.VERSION,
         "reflectance": reflectance_name,
         "reflectance_hash": reflectance_hash,
-        "extra": extra or {},
+        "extra": json.dumps(extra or {}),  # custom properties hold no nested lists
         "without_nodes": kept.get("without_nodes", False),
     }
 
@@ -140,7 +141,7 @@ def managed(material: bpy.types.Material) -> Managed | None:
         reflectance_name=record["reflectance"],
         reflectance_hash=record["reflectance_hash"],
         version=record["version"],
-        extra=record["extra"],
+        extra=json.loads(record["extra"]),
         matrix=spectral_matrix.get_matrix(node),
         world=skylight_surface.world_of(node.node_tree) if node.node_tree else None,
     )

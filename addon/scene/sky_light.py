@@ -6,6 +6,7 @@ lights unmanaged objects only, for managed ones emit.
 
 from __future__ import annotations
 
+import json
 import math
 from typing import Any
 
@@ -16,7 +17,7 @@ from ...node_groups import sky_irradiance, skylight_surface, spectral_matrix
 from ...node_groups import tree as groups
 from . import world as worlds
 
-DESCRIPTION = "spectral_skylight_description"
+DESCRIPTION = "spectral_skylight_description"  # JSON, for custom properties hold no nested lists
 
 
 def ensure(world: bpy.types.World) -> bpy.types.NodeTree:
@@ -67,15 +68,18 @@ def coefficients_of(world: bpy.types.World) -> np.ndarray | None:
 
 
 def describe(world: bpy.types.World, description: dict[str, Any]) -> None:
-    """Keep with a World's light what was found in its sky (numbers, text, lists, dictionaries)."""
-    ensure(world)[DESCRIPTION] = description
+    """Keep with a World's light what was found in its sky: anything that JSON can hold.
+
+    Raises InputError where `world.sky_of` does.
+    """
+    ensure(world)[DESCRIPTION] = json.dumps(description)
 
 
 def description_of(world: bpy.types.World) -> dict[str, Any] | None:
     """What `describe` kept, None before."""
     surface = skylight_surface.find(world)
     kept = None if surface is None else surface.get(DESCRIPTION)
-    return None if kept is None else kept.to_dict()
+    return None if kept is None else json.loads(kept)
 
 
 def remove(surface: bpy.types.NodeTree) -> None:
