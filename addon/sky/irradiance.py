@@ -19,8 +19,8 @@ from .polynomial import HIGHEST_DEGREE, monomials
 
 _ROWS = 256
 """Rows that a sky is brought to: finer ones are summed up (what they send to a face wholly in
-front of them is kept exactly), coarser ones split. Within a row the clip is taken at mid-height, which is right to 4e-5 of
-the irradiance under an even sky: at most a quarter of the row's height squared."""
+front of them is kept exactly), coarser ones split. Within a row the clip is taken at mid-height,
+right to a quarter of the row's height squared, 4e-5 of the irradiance under an even sky."""
 
 _NORMALS_AT_ONCE = 128
 

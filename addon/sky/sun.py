@@ -53,7 +53,8 @@ def separate_sun(rgb: ArrayLike) -> tuple[NDArray[np.float32], Sun | None]:
     panorama gives a face that looks up. A weaker sun is not worth a lamp and stays in the sky, as
     does every aureole. Without a sun the sky comes back as it was (not copied).
 
-    Sky and sun together give each face that sees all of the disc what the panorama did.
+    Sky and sun together give each face that sees all of the disc what the panorama did. A lone lamp
+    as small and strong as the sun, or a skylight in an evenly lit dark vault, is taken for it.
     """
     rgb = np.asarray(rgb, np.float32)
     height, width = rgb.shape[:2]
@@ -65,12 +66,13 @@ def separate_sun(rgb: ArrayLike) -> tuple[NDArray[np.float32], Sun | None]:
         spot = _brightest_spot(luminance, solid_angles(height, width))
         if spot is None:
             break
-        if (found := _measure(rgb, luminance, spot, float(upward))) is not None:
-            sun, rows, columns, fill = found
+        sun, rows, columns, fill = _measure(rgb, luminance, spot, float(upward))
+        if sun is not None:
             sky = rgb.copy()
             sky[rows, columns] = fill
             return sky, sun
-        luminance[spot] = 0.0
+        seen = rows < len(luminance)
+        luminance[rows[seen], columns[seen]] = 0.0
     return rgb, None
 
 
@@ -109,10 +111,10 @@ def _brightest_spot(
 
 def _measure(
     rgb: NDArray[np.float32], luminance: NDArray[np.float32], spot: _Pixels, upward: float
-) -> tuple[Sun, NDArray[np.intp], NDArray[np.intp], NDArray[np.float32]] | None:
-    """Return the sun at this spot, the rows and columns of its pixels and what fills them.
+) -> tuple[Sun | None, NDArray[np.intp], NDArray[np.intp], NDArray[np.float32]]:
+    """Return the sun at this spot, or None, the rows and columns of its disc, and what fills them.
 
-    None when the spot is no sun; `upward` is the luminance irradiance / pi of the whole sky.
+    `upward` is the luminance irradiance / pi that the whole panorama gives a face that looks up.
     """
     height, width = rgb.shape[:2]
     pitch = np.pi / height
@@ -121,14 +123,15 @@ def _measure(
     light = luminance[spot] * solid_angle[spot[0]]
     middle = _unit(light @ towards)
     area = solid_angle[spot[0]].sum()
-    around = _angle(towards, middle).max() + pitch / 2.0
+    distance = _angle(towards, middle)
     # Resampling and lens spread the disc's edge over the next pixels.
-    disc = around + max(1.5 * pitch, np.radians(0.1))
+    disc = distance.max() + max(2.0 * pitch, np.radians(0.1))
     ring = disc + max(3.0 * pitch, np.radians(0.5))
 
     rows, columns = _window(middle, ring, height)
     away = _angle(_towards(rows, columns, height), middle)
-    fill = np.median(rgb[rows[away > disc], columns[away > disc]], axis=0)
+    surroundings = rgb[rows[away > disc], columns[away > disc]]
+    fill = np.median(surroundings, axis=0)
     rows, columns = rows[away <= disc], columns[away <= disc]
     pixels = rgb[rows, columns].astype(np.float64)
     excess = (pixels - fill) * solid_angle[rows, None]
@@ -140,10 +143,14 @@ def _measure(
 
     radius = np.sqrt(area / np.pi)
     glaring = luminance[spot].max() >= 10.0 * upward and strength >= 0.01 * upward
-    # Glare makes a clipped sun large, but leaves it round and in a bright part of the sky, where
-    # a window is in a dark wall.
-    round_in_sky = area >= 0.7 * np.pi * around**2 and fill @ LUMINANCE >= 0.5 * upward * (
-        1.0 - share
+    # Glare makes a clipped sun large, but leaves it round and in a bright part of the sky (above
+    # it, when it sets), where a window is in a dark wall.
+    # A circle's mean squared distance from its middle is area / 2 pi, a square's 5 % more, that of
+    # a rectangle of 2:1 a third more.
+    spread = np.mean(distance**2) + pitch**2 / 6.0
+    round_in_sky = (
+        2.0 * np.pi * spread <= 1.2 * area
+        and np.quantile(surroundings @ LUMINANCE, 0.75) >= 0.5 * (1.0 - share) * upward
     )
     if (
         not glaring
@@ -151,7 +158,7 @@ def _measure(
         or direction[2] < np.sin(_LOWEST)
         or (radius > np.radians(1.0) and not round_in_sky)
     ):
-        return None
+        return None, rows, columns, fill
     sun = Sun(
         direction=direction,
         elevation=float(np.degrees(np.arcsin(direction[2]))),
