@@ -23,11 +23,15 @@ class Camera:
     """Width of the picture in metres (orthographic) or at one metre's distance (pinhole)."""
     orthographic: bool
 
-    def rays(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return origins and unit directions through the pixels' centres, (h, w, 3) each."""
-        step = self.scale / self.width
-        x = (np.arange(self.width) + 0.5 - self.width / 2) * step
-        y = -(np.arange(self.height) + 0.5 - self.height / 2) * step
+    def rays(self, oversampling: int = 1) -> tuple[np.ndarray, np.ndarray]:
+        """Return origins and unit directions through the pixels' centres, (h, w, 3) each.
+
+        With ``oversampling`` n there are n x n rays to the pixel, (n h, n w, 3).
+        """
+        width, height = self.width * oversampling, self.height * oversampling
+        step = self.scale / width
+        x = (np.arange(width) + 0.5 - width / 2) * step
+        y = -(np.arange(height) + 0.5 - height / 2) * step
         offset = x[None, :, None] * self.right + y[:, None, None] * self.up
         if self.orthographic:
             return self.location + offset, np.broadcast_to(-self.back, offset.shape)
@@ -45,15 +49,17 @@ def look(location, target, width, height, scale, orthographic=False) -> Camera:
     return Camera(location, right, np.cross(back, right), back, width, height, scale, orthographic)
 
 
+CHECKER_CAMERA = look((0, -14, 14), (0, 0, 0), 384, 256, CHECKER_COLUMNS, orthographic=True)
+
+
 def sphere_centres() -> np.ndarray:
-    """Return the centres (24, 3) of the checker's spheres, in the chart's order, facing south."""
+    """Return the centres (24, 3) of the checker's spheres, in the chart's order for its camera."""
     k = np.arange(CHECKER_COLUMNS * CHECKER_ROWS)
     x = k % CHECKER_COLUMNS - (CHECKER_COLUMNS - 1) / 2
-    z = (CHECKER_ROWS - 1) / 2 - k // CHECKER_COLUMNS
-    return np.stack([x, 0.0 * k, z], axis=-1)
+    y = (CHECKER_ROWS - 1) / 2 - k // CHECKER_COLUMNS
+    return x[:, None] * CHECKER_CAMERA.right + y[:, None] * CHECKER_CAMERA.up
 
 
-CHECKER_CAMERA = look((0, -20, 0), (0, 0, 0), 384, 256, CHECKER_COLUMNS, orthographic=True)
 BUILDING_CAMERA = look((7.0, -11.0, 3.2), (0.0, 0.0, 1.9), 384, 256, 0.86)
 
 

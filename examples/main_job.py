@@ -61,8 +61,7 @@ class MainJob:
             ("sky", self.make_sky),
             ("matrices", self.compute_matrices),
             ("scenes", self.build_scenes),
-            *((f"{name}, spectral", lambda name=name: self.render_ours(name)) for name in SCENES),
-            *((f"{name}, RGB", lambda name=name: self.render_today(name)) for name in SCENES),
+            *((f"render {name}", lambda name=name: self.render(name)) for name in SCENES),
             ("reference", self.compute_reference),
             ("report", self.report),
         ]
@@ -80,7 +79,7 @@ class MainJob:
                 "sky", "--sun-elevation", SUN_ELEVATION, "--width", 4 * height, "--out", self.sky
             )
         self.light: SkyLight = analyse(read_panorama(self.sky))
-        self.exposure = pictures.exposure(self.light.faces[0])
+        self.exposure = pictures.exposure(self.light.faces)
 
     def compute_matrices(self) -> None:
         checker = colour.SDS_COLOURCHECKERS["BabelColor Average"]
@@ -116,7 +115,18 @@ class MainJob:
                 self.blend("building"), parts, self.albedos[of_parts], self.exposure
             )
 
-    def render_ours(self, name: str) -> None:
+    def render(self, name: str) -> None:
+        """Render a scene spectrally, and as RGB times RGB.
+
+        The second with the same light on the same faces, times the base colour: Eevee's own diffuse
+        light would add its 20 % of luminance to the difference, where a diagonal matrix shows what
+        multiplying in RGB alone costs.
+        """
+        import bpy
+
+        from spectral_skylight.addon.scene import materials
+        from spectral_skylight.addon.scene.render import render
+
         spectral = self.out / f"{name}_spectral.blend"
         assignments = [
             part
@@ -125,26 +135,11 @@ class MainJob:
         ]
         with silenced(self.log):
             command("apply", self.blend(name), "--sky", self.sky, *assignments, "--out", spectral)
-            self.render(spectral, f"{name}_spectral")
-
-    def render_today(self, name: str) -> None:
-        """RGB times RGB: the same light on the same faces, times the base colour.
-
-        Eevee's own diffuse light would add its 20 % of luminance to the difference; a diagonal
-        matrix shows what multiplying in RGB alone costs.
-        """
-        import bpy
-
-        from spectral_skylight.addon.scene import files, materials
-
-        with silenced(self.log):
-            files.open_scene(self.out / f"{name}_spectral.blend")
+            command("render", spectral, "--out", self.out / f"{name}_spectral.exr")
             for material, reflectance in self.assigned[name].items():
                 albedo = self.albedos[self.index(reflectance)]
                 materials.update(bpy.data.materials[material], np.diag(albedo))
-            today = self.out / f"{name}_rgb.blend"
-            files.save(today)
-            self.render(today, f"{name}_rgb")
+            render(bpy.context.scene, self.out / f"{name}_rgb.exr")
 
     def compute_reference(self) -> None:
         """Without Blender: which surface each pixel shows, and under our own sky its colour."""
@@ -187,13 +182,12 @@ class MainJob:
         summary = patches.write_report(self.out, rows, self.light, self.sky.name)
         for name in SCENES:
             pictures.save_comparison(
-                self.out / f"{name}.png", images[name], self.exposure, [summary, self.light.caption]
+                self.out / f"{name}.png",
+                images[name],
+                self.exposure,
+                [*summary, self.light.caption],
             )
-        print(summary)
-        print(self.light.caption)
-
-    def render(self, blend: Path, name: str) -> None:
-        command("render", blend, "--out", self.out / f"{name}.exr", "--engine", "eevee")
+        print("\n".join([*summary, self.light.caption]))
 
     def blend(self, name: str) -> Path:
         return self.out / f"{name}.blend"

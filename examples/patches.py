@@ -4,13 +4,15 @@ import json
 from pathlib import Path
 
 import numpy as np
+from geometry import CHECKER_CAMERA
+from reference import pixel_means
 
 from spectral_skylight.addon.sky.light import SkyLight
 from spectral_skylight.addon.transfer.measures import delta_E, relative_error
 from spectral_skylight.addon.transfer.prediction import Prediction
 
 INSIDE = 0.35
-"""Cosine to the camera from which a pixel is well inside its sphere: its edge is anti-aliased."""
+"""Cosine to the camera from which a pixel is well inside its sphere: the edges are anti-aliased."""
 
 
 def measure(
@@ -22,13 +24,13 @@ def measure(
 ) -> list[dict]:
     """Return one record a patch: means over its pixels of colours and of errors.
 
-    ``surfaces``: patch and normal of every pixel; ``images``: rendered, by ``rgb`` and ``spectral``;
+    ``surfaces``: patch and normal of every ray; ``images``: rendered, ``rgb`` and ``spectral``;
     ``reference``: the picture and that of white spheres, None under a photographed sky.
     """
     surface, normals = surfaces
     rows = []
     for k, name in enumerate(names):
-        pixels = (surface == k) & (-normals[..., 1] > INSIDE)
+        pixels = pixel_means((surface == k) & (normals @ CHECKER_CAMERA.back > INSIDE)) == 1
         row = {
             "patch": name,
             "rendered_rgb": images["spectral"][pixels].mean(axis=0).tolist(),
@@ -51,50 +53,48 @@ def measure(
     return rows
 
 
-def write_report(out: Path, rows: list[dict], light: SkyLight, sky: str) -> str:
-    """Write ``report.json`` and ``report.txt``; return the sentence that sums them up."""
+def write_report(out: Path, rows: list[dict], light: SkyLight, sky: str) -> list[str]:
+    """Write ``report.json`` and ``report.txt``; return the sentences that sum them up."""
     measured = "delta_E_spectral" in rows[0]
-    lines = [f"Sky: {sky}", light.caption, ""]
-    if measured:
-        means = {
-            key: float(np.mean([row[key] for row in rows]))
-            for key in rows[0]
-            if key.startswith(("delta_E", "relative_error"))
-        }
-        ratio = means["delta_E_today"] / means["delta_E_spectral"]
-        summary = (
-            f"Mean CIEDE2000 over 24 patches: today {means['delta_E_today']:.2f}, "
-            f"spectral {means['delta_E_spectral']:.2f}: {ratio:.1f} times less"
-        )
-    else:
-        means = {
-            f"predicted_delta_E_{way}": float(
-                np.mean([row["predicted_delta_E"][way] for row in rows])
-            )
-            for way in ("today", "spectral")
-        }
-        ratio = means["predicted_delta_E_today"] / means["predicted_delta_E_spectral"]
-        summary = (
-            "Predicted mean CIEDE2000 over 24 patches: today "
-            f"{means['predicted_delta_E_today']:.2f}, "
-            f"spectral {means['predicted_delta_E_spectral']:.2f}: {ratio:.1f} times less"
-        )
-    lines += [_header(measured), *(_line(row, measured) for row in rows), "", summary]
+    inside = [row for row in rows if not row["out_of_gamut"]]
     outside = [row["patch"] for row in rows if row["out_of_gamut"]]
+    means = _means(rows, measured)
+    ratio = means["delta_E_today"] / means["delta_E_spectral"]
+    summary = [
+        f"{'Mean' if measured else 'Predicted mean'} CIEDE2000 over 24 patches: "
+        f"today {means['delta_E_today']:.2f}, spectral {means['delta_E_spectral']:.2f}, "
+        f"{ratio:.1f} times less"
+    ]
     if outside:
-        lines.append(
-            f"Out of gamut, negative components are clamped by Blender: {', '.join(outside)}"
+        means_inside = _means(inside, measured)
+        summary.append(
+            f"Out of gamut, negative components clamped by Blender: {', '.join(outside)}. "
+            f"Without: {means_inside['delta_E_today']:.2f} and "
+            f"{means_inside['delta_E_spectral']:.2f}, "
+            f"{means_inside['delta_E_today'] / means_inside['delta_E_spectral']:.1f} times less"
         )
     report = {
         "sky": light.report(),
         "patches": rows,
+        "out_of_gamut": outside,
         "means": means,
         "mean_ratio": ratio,
-        "out_of_gamut": outside,
     }
+    table = [_header(measured), *(_line(row, measured) for row in rows)]
+    lines = [f"Sky: {sky}", light.caption, "", *table, "", *summary]
     (out / "report.json").write_text(json.dumps(report, indent=1), encoding="utf-8")
     (out / "report.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
     return summary
+
+
+def _means(rows: list[dict], measured: bool) -> dict[str, float]:
+    if not measured:
+        return {
+            f"delta_E_{way}": float(np.mean([row["predicted_delta_E"][way] for row in rows]))
+            for way in ("today", "spectral")
+        }
+    keys = [f"{m}_{way}" for m in ("delta_E", "relative_error") for way in ("today", "spectral")]
+    return {key: float(np.mean([row[key] for row in rows])) for key in keys}
 
 
 def _header(measured: bool) -> str:

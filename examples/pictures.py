@@ -20,9 +20,9 @@ def read(path: Path) -> np.ndarray:
     return pixels[..., :3].astype(float)
 
 
-def exposure(irradiance: np.ndarray) -> float:
-    """Return the exposure [stops] at which white paper lying in the open is at 80 % of white."""
-    return float(np.log2(0.8 / (irradiance @ [0.2126, 0.7152, 0.0722])))
+def exposure(faces: np.ndarray) -> float:
+    """Return the exposure [stops] that leaves white paper on the brightest face below white."""
+    return float(np.log2(0.9 / faces.max()))
 
 
 def show(image: np.ndarray, exposure: float) -> np.ndarray:
@@ -48,14 +48,14 @@ def save_comparison(
 
     height, width = next(iter(images.values())).shape[:2]
     figure, axes = pyplot.subplots(
-        1, len(images), figsize=(4.2 * len(images), 4.2 * height / width + 0.9), dpi=110
+        1, len(images), figsize=(4.2 * len(images), 4.2 * height / width + 1.0), dpi=110
     )
     for axis, (kind, image) in zip(axes, images.items(), strict=True):
         axis.imshow(show(image, exposure), interpolation="nearest")
         axis.set_title(TITLES[kind], fontsize=11)
         axis.set_axis_off()
-    figure.subplots_adjust(left=0.01, right=0.99, top=0.91, bottom=0.17, wspace=0.02)
+    figure.subplots_adjust(left=0.01, right=0.99, top=0.91, bottom=0.2, wspace=0.02)
     for k, caption in enumerate(captions):
-        figure.text(0.5, 0.09 - 0.06 * k, caption, ha="center", fontsize=9)
+        figure.text(0.5, 0.125 - 0.05 * k, caption, ha="center", fontsize=9)
     figure.savefig(path)
     pyplot.close(figure)

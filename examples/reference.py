@@ -17,6 +17,9 @@ from geometry import (
     sphere_centres,
 )
 
+OVERSAMPLING = 4
+"""Rays to a pixel, each way: edges are as smooth as Blender's."""
+
 WAVELENGTHS = np.arange(380.0, 785.0, 5.0)
 
 
@@ -54,8 +57,8 @@ def irradiance(sky: np.ndarray, normals: np.ndarray) -> np.ndarray:
 
 
 def checker_normals(camera: Camera = CHECKER_CAMERA) -> tuple[np.ndarray, np.ndarray]:
-    """Return for every pixel the sphere it shows, -1 for none, and the normal: (h, w), (h, w, 3)."""
-    origins, directions = camera.rays()
+    """Return for every ray the sphere it meets, -1 for none, and the normal there."""
+    origins, directions = camera.rays(OVERSAMPLING)
     surface = np.full(origins.shape[:2], -1)
     normals = np.zeros(origins.shape)
     for k, centre in enumerate(sphere_centres()):
@@ -70,8 +73,8 @@ def checker_normals(camera: Camera = CHECKER_CAMERA) -> tuple[np.ndarray, np.nda
 
 
 def building_normals(camera: Camera = BUILDING_CAMERA) -> tuple[np.ndarray, np.ndarray]:
-    """Return for every pixel the material's index in `building`, -1 for none, and the normal."""
-    origins, directions = camera.rays()
+    """Return for every ray the material it meets, as counted in `building`, and the normal."""
+    origins, directions = camera.rays(OVERSAMPLING)
     nearest = np.full(origins.shape[:2], np.inf)
     surface = np.full(origins.shape[:2], -1)
     normals = np.zeros(origins.shape)
@@ -109,16 +112,45 @@ def picture(
     reflectances: np.ndarray,
     camera: Camera,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return the picture (h, w, 3) in linear Rec.709, and that of white surfaces instead."""
+    """Return the picture (h, w, 3) in linear Rec.709, and that of white surfaces instead.
+
+    ``surface``, ``normals``: of every ray; ``reflectances`` (m, 81) of the surfaces.
+    """
     S = observer()
-    shown = surface >= 0
-    unique, index = np.unique(np.round(normals[shown], 6), axis=0, return_inverse=True)
-    E = irradiance(sky, unique)[index.reshape(-1)]
-    image = _background(sky @ S.T, camera)
-    white = image.copy()
-    image[shown] = (E * reflectances[surface[shown]]) @ S.T
-    white[shown] = E @ S.T
+    open_sky = _background(sky @ S.T, camera)
+    coverage = pixel_means(surface < 0)[..., None]
+    image, white = coverage * open_sky, coverage * open_sky
+    for k, reflectance in enumerate(reflectances):
+        mine = surface == k
+        coverage = pixel_means(mine)
+        shown = coverage > 0
+        mean_normals = pixel_means(np.where(mine[..., None], normals, 0.0))[shown]
+        mean_normals /= np.linalg.norm(mean_normals, axis=-1, keepdims=True)
+        E = _irradiance_once(sky, mean_normals)
+        image[shown] += coverage[shown][:, None] * ((E * reflectance) @ S.T)
+        white[shown] += coverage[shown][:, None] * (E @ S.T)
     return image, white
+
+
+def pixel_means(values: np.ndarray) -> np.ndarray:
+    """Return the means over the rays of each pixel."""
+    n = OVERSAMPLING
+    height, width = values.shape[0] // n, values.shape[1] // n
+    return values.reshape(height, n, width, n, *values.shape[2:]).mean(axis=(1, 3))
+
+
+_known: dict[bytes, np.ndarray] = {}
+
+
+def _irradiance_once(sky: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """Return `irradiance`; equal normals, as all spheres have them, are summed up once."""
+    normals = np.round(normals, 4)  # 0.006 degrees
+    unique, index = np.unique(normals, axis=0, return_inverse=True)
+    new = np.array([normal for normal in unique if normal.tobytes() not in _known])
+    if new.size:
+        for normal, E in zip(new, irradiance(sky, new), strict=True):
+            _known[normal.tobytes()] = E
+    return np.array([_known[normal.tobytes()] for normal in unique])[index.reshape(-1)]
 
 
 def _background(sky_rgb: np.ndarray, camera: Camera) -> np.ndarray:

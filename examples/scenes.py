@@ -46,6 +46,7 @@ def save_building(path: Path, names: list[str], base_colours: np.ndarray, exposu
 
 def _new_file(camera: Camera, exposure: float) -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.preferences.filepaths.save_version = 0
     scene = bpy.context.scene
     eevee = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
     scene.render.engine = eevee
