@@ -122,5 +122,5 @@ def check_white(white: ArrayLike) -> NDArray[np.float64]:
     """Return ``white`` as three positive floats (3,); `InputError` for anything else."""
     values = np.asarray(white, dtype=float)
     if values.shape != (3,) or not np.all(np.isfinite(values) & (values > 0)):
-        raise InputError("--white", f"{white} is no colour", "give three numbers above 0: R,G,B")
+        raise InputError("--white", f"{values.tolist()} is no colour", "give three numbers above 0: R,G,B")
     return values
