@@ -1,0 +1,153 @@
+"""`apply` and `render` on real blend files, and that what they write needs no add-on."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy", reason="bpy is not installed")
+
+from spectral_skylight.addon import cli  # noqa: E402
+from spectral_skylight.addon.scene import files, materials  # noqa: E402
+from spectral_skylight.addon.sky.panorama import directions, write_panorama  # noqa: E402
+
+pytestmark = [pytest.mark.blender, pytest.mark.slow]
+
+SIZE = 24
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """A sky, a CSV of two materials and a scene: a floor seen from above, half red, half grey."""
+    folder = tmp_path_factory.mktemp("cli")
+    view = directions(32, 64)
+    blue = np.array([0.2, 0.4, 1.0]) * (1.2 + view[..., 2:])
+    write_panorama(folder / "sky.exr", np.where(view[..., 2:] > 0, blue, 0.1))
+    rows = [f"{x},{0.05 if x < 600 else 0.8},0.5" for x in range(380, 781, 10)]
+    (folder / "paint.csv").write_text("\n".join(["nm,red,grey", *rows]), encoding="utf-8")
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.render.engine = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
+    scene.eevee.taa_render_samples = 1
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    scene.render.filter_size = 0.01
+    for name, x in (("Wall", -1), ("Floor", 1)):
+        mesh = bpy.data.meshes.new(name)
+        corners = [(x - 1, -1, 0), (x + 1, -1, 0), (x + 1, 1, 0), (x - 1, 1, 0)]
+        mesh.from_pydata(corners, [], [[0, 1, 2, 3]])
+        mesh.materials.append(bpy.data.materials.new(name))
+        scene.collection.objects.link(bpy.data.objects.new(name, mesh))
+    camera = bpy.data.objects.new("Above", bpy.data.cameras.new("Above"))
+    camera.data.type, camera.data.ortho_scale, camera.location = "ORTHO", 2, (0, 0, 5)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "scene.blend"))
+    return folder
+
+
+@pytest.fixture(scope="module")
+def applied(folder):
+    out = folder / "out.blend"
+    code = cli.main([
+        *("apply", str(folder / "scene.blend"), "--sky", str(folder / "sky.exr")),
+        *("--assign", f"Wall={folder / 'paint.csv'}:red"),
+        *("--assign", f"Floor={folder / 'paint.csv'}:grey"),
+        *("--out", str(out)),
+    ])  # fmt: skip
+    assert code == 0
+    return out
+
+
+def read(path):
+    import OpenEXR
+
+    channels = OpenEXR.File(str(path)).channels()
+    assert all(c.pixels.dtype == np.float32 for c in channels.values())
+    return next(c.pixels for n, c in channels.items() if n.endswith(("RGB", "RGBA")))[..., :3]
+
+
+@pytest.fixture(scope="module")
+def rendered(applied):
+    path = applied.with_name("picture.exr")
+    assert cli.main(["render", str(applied), "--out", str(path), "--engine", "eevee"]) == 0
+    return path
+
+
+def test_picture_is_matrix_times_irradiance(rendered, folder):
+    from spectral_skylight.addon.sky.irradiance import exact_irradiance
+    from spectral_skylight.addon.sky.panorama import read_panorama
+    from spectral_skylight.addon.spectra.reflectance import read_reflectances
+    from spectral_skylight.addon.transfer.matrices import transfer
+
+    image = read(rendered)
+    assert image.shape == (SIZE, SIZE, 3) and rendered.with_suffix(".png").stat().st_size > 0
+    E = exact_irradiance(read_panorama(folder / "sky.exr").rgb, [[0, 0, 1]])[0]
+    M = transfer().matrices(read_reflectances(folder / "paint.csv").values)
+    # The polynomial may leave 1 %; half floats in the picture 0.05 %.
+    for column, matrix in ((SIZE // 4, M[0]), (3 * SIZE // 4, M[1])):
+        np.testing.assert_allclose(image[SIZE // 2, column], matrix @ E, rtol=0.011)
+
+
+def test_renders_the_same_without_the_add_on(applied, rendered):
+    """A fresh process that holds bpy alone: pixel for pixel."""
+    alone = applied.with_name("alone")
+    script = f"""
+import os, sys, bpy
+bpy.ops.wm.open_mainfile(filepath={str(applied)!r})
+settings = bpy.context.scene.render.image_settings
+if hasattr(settings, "media_type"):
+    settings.media_type = "IMAGE"
+settings.file_format, settings.color_depth, settings.color_mode = "OPEN_EXR", "32", "RGB"
+bpy.context.scene.render.filepath = {str(alone)!r}
+bpy.ops.render.render(write_still=True)
+assert not any(name.startswith("spectral_skylight") for name in sys.modules)
+os._exit(0)
+"""
+    subprocess.run([sys.executable, "-c", script], check=True, capture_output=True)
+    np.testing.assert_array_equal(read(alone.with_suffix(".exr")), read(rendered))
+
+
+def test_applied_twice_is_applied_once(applied):
+    files.open_scene(applied)
+    assert sorted(m.name for m in materials.managed_materials()) == ["Floor", "Wall"]
+    groups = len(bpy.data.node_groups)
+    again = applied.with_name("again.blend")
+    csv = applied.with_name("paint.csv")
+    arguments = ["apply", str(applied), "--assign", f"Wall={csv}:grey", "--out", str(again)]
+    assert cli.main(arguments) == 0
+    files.open_scene(again)
+    assert len(bpy.data.node_groups) == groups and len(bpy.data.worlds) == 1
+    wall = materials.managed(bpy.data.materials["Wall"])
+    np.testing.assert_allclose(wall.matrix, 0.5 * np.eye(3), atol=1e-6)
+
+
+WRONG = {
+    "no such scene": (["none.blend"], "none.blend"),
+    "no such material": (["scene.blend", "--assign", "Roof=paint.csv:red"], "'Wall'"),
+    "no such column": (["scene.blend", "--assign", "Floor=paint.csv:blue"], "'red', 'grey'"),
+    "twice": (["scene.blend", "--assign", "Wall=paint.csv:grey"], "twice"),
+    "World without an HDRI": (["scene.blend"], "World"),
+    "other working space": (["scene.blend", "--space", "ACEScg"], "working space"),
+    "no sky": (["scene.blend", "--sky", "paint.csv"], "paint.csv"),
+    "not a blend": (["paint.csv"], "paint.csv"),
+}
+
+
+@pytest.mark.parametrize(("arguments", "part"), WRONG.values(), ids=WRONG.keys())
+def test_bad_input_is_one_line_and_writes_nothing(folder, capfd, monkeypatch, arguments, part):
+    monkeypatch.chdir(folder)
+    scene, *options = arguments
+    out = folder / "never.blend"
+    code = cli.main(["apply", scene, "--assign", "Wall=paint.csv:red", *options, "--out", str(out)])
+    error = capfd.readouterr().err
+    ours = [line for line in error.splitlines() if line.startswith("spectral-skylight: ")]
+    assert code == 2 and len(ours) == 1 and part in ours[0]
+    assert not list(folder.glob("*never*"))
+
+
+def test_output_folder_that_is_not_there(folder, capfd, monkeypatch):
+    monkeypatch.chdir(folder)
+    arguments = ["apply", "scene.blend", "--sky", "sky.exr", "--assign", "Wall=paint.csv:red"]
+    assert cli.main([*arguments, "--out", "none/out.blend"]) == 2
+    assert "none" in capfd.readouterr().err
