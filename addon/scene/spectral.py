@@ -5,7 +5,7 @@ The panel, the command line and scripts all call these functions.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ from ..spectra.reflectance import reflectance_hash
 from ..transfer.matrices import Transfer, transfer
 from ..transfer.prediction import predict
 from . import materials, sky_light, working_space
+from . import settings as world_settings
 from . import world as worlds
 
 
@@ -87,8 +88,17 @@ def make_spectral(
     light = _analyse(world)
     values = np.stack([rho for _, rho in reflectances.values()]) if reflectances else _NONE
     prediction = predict(mapping, values, light.faces)
+    world_settings.store(world, _plain(settings))
     sky_light.set_coefficients(world, light.fit.coefficients)
-    sky_light.describe(world, {**light.report(), "settings": _plain(settings)})
+    sky_light.describe(
+        world,
+        {
+            **light.report(),
+            "settings": _plain(settings),
+            "space": mapping.space,
+            "image": worlds.sky_of(world).image.name,
+        },
+    )
     results = []
     for k, (material, (name, rho)) in enumerate(reflectances.items()):
         result = Result(
@@ -111,13 +121,24 @@ def make_spectral(
     return light, results
 
 
-def update(world: bpy.types.World, settings: Settings) -> tuple[SkyLight, list[Result]]:
-    """Bring all materials under a World's sky up to date with its HDRI, turned or exchanged.
+def in_scene(scene: bpy.types.Scene) -> list[bpy.types.Material]:
+    """Return the managed materials on a scene's objects or under its World, each once."""
+    found = [m for m in materials.materials_of(scene.objects) if materials.is_managed(m)]
+    under = materials.managed_materials(scene.world) if scene.world else []
+    return list(dict.fromkeys([*found, *under]))
+
+
+def update(
+    world: bpy.types.World | None,
+    settings: Settings,
+    chosen: Iterable[bpy.types.Material] | None = None,
+) -> tuple[SkyLight, list[Result]]:
+    """Bring managed materials (None: all under this World's sky) up to date with the World.
 
     Their reflectances come from the blend file itself. Raises as `make_spectral` does.
     """
     kept = {}
-    for material in materials.managed_materials(world):
+    for material in materials.managed_materials(world) if chosen is None else chosen:
         managed = materials.managed(material)
         kept[material] = (managed.reflectance_name, np.array(managed.extra["values"]))
     return make_spectral(world, kept, settings)
