@@ -1,0 +1,47 @@
+"""Telling Blender what the add-on brings: classes, properties and the command ``skylight``.
+
+Nothing here computes, so nothing is imported that computes: enabling must take no time and must
+work without the wheels, for the panel to say that they are missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import Any
+
+import bpy
+
+from .ui import apply, choose_reflectance, load_sky, panels, properties, remove, update
+
+MODULES = (properties, load_sky, choose_reflectance, apply, update, remove, panels)
+CLASSES: tuple[type, ...] = tuple(cls for module in MODULES for cls in module.CLASSES)
+
+_undo: list[Callable[[], Any]] = []  # what takes back each step of `register`, in its order
+
+
+def register() -> None:
+    """Register classes, properties and the command; a step that fails takes back those before."""
+    try:
+        for cls in CLASSES:
+            bpy.utils.register_class(cls)
+            _undo.append(partial(bpy.utils.unregister_class, cls))
+        properties.attach()
+        _undo.append(properties.detach)
+        command = bpy.utils.register_cli_command("skylight", _command)
+        _undo.append(partial(bpy.utils.unregister_cli_command, command))
+    except Exception:
+        unregister()
+        raise
+
+
+def unregister() -> None:
+    """Take back what `register` did; what materials and Worlds were given stays with them."""
+    while _undo:
+        _undo.pop()()
+
+
+def _command(arguments: Sequence[str]) -> int:
+    from .cli import main
+
+    return main(arguments)

@@ -1,0 +1,127 @@
+"""Giving materials their measured reflectances: the active one, the selected, all with a file."""
+
+# mypy: disable-error-code="valid-type"
+
+import bpy
+
+from ..errors import InputError
+from . import operator, properties, targets
+
+
+class Apply(operator.Thin):
+    """What the three operators share: a reflectance for all of them, or each material its own."""
+
+    filepath: bpy.props.StringProperty(
+        name="CSV", description="Empty: what was chosen for each material"
+    )
+    column: bpy.props.StringProperty(name="Column", description="Of the CSV; empty: the only one")
+    unit: bpy.props.EnumProperty(
+        name="Unit", description="What the CSV's numbers are", items=properties.UNITS
+    )
+
+    @classmethod
+    def hindrance(cls, context):
+        return operator.no_sky(context) or cls.nothing_to_do(context)
+
+    @classmethod
+    def nothing_to_do(cls, context):
+        return ""
+
+    def run(self, context):
+        from ..scene import spectral
+
+        found, lines = targets.editable(self.targets(context))
+        chosen = {}
+        for material in found:
+            choice = self._choice(material)
+            if choice is None:
+                lines.append(("WARNING", f"skipped: {material.name} has no reflectance file"))
+            else:
+                chosen[material] = choice
+        if not chosen:
+            raise InputError(
+                " and ".join(f'material "{m.name}"' for m in found[:3]) or "the selection",
+                "has no reflectance file",
+                "choose a CSV for it first",
+            )
+        world = context.scene.world
+        reflectances = {}
+        for material, choice in chosen.items():
+            reflectances[material], notes = _read(material, *choice)
+            lines += [("INFO", f"{material.name}: {note}") for note in notes]
+        light, results = spectral.make_spectral(world, reflectances, properties.settings_of(world))
+        for material, (filepath, _, unit) in chosen.items():
+            _keep(material.skylight, filepath, reflectances[material][0], unit)
+        lines += [("WARNING" if r.out_of_gamut else "INFO", r.line) for r in results]
+        return [*lines, ("INFO", light.caption)]
+
+    def _choice(self, material):
+        """CSV, column and unit for a material, None without."""
+        if self.filepath:
+            return self.filepath, self.column, self.unit
+        own = material.skylight
+        column = self.column or own.column
+        return (own.filepath, column, own.unit) if own.filepath else None
+
+
+def _read(material, filepath, column, unit):
+    from ..spectra.reflectance import read_reflectances
+
+    path = material.skylight.absolute(filepath)
+    read = read_reflectances(path, None if unit == "AUTO" else unit.lower(), column or None)
+    if len(read.names) > 1:
+        raise InputError(path, f"holds {len(read.names)} materials", "choose a column")
+    return (read.names[0], read.values[0]), read.notes
+
+
+def _keep(choice, filepath, column, unit) -> None:
+    if choice.filepath != filepath:
+        choice.filepath = filepath  # and with it the names of its columns
+    choice.column = column
+    choice.unit = unit
+
+
+class SKYLIGHT_OT_apply(Apply, bpy.types.Operator):
+    """Light the material spectrally by this World's sky, for RGB times RGB gets its colour wrong"""
+
+    bl_idname = "skylight.apply"
+    bl_label = "Apply"
+
+    material: bpy.props.StringProperty(name="Material", description="Empty: the active one")
+
+    def targets(self, context):
+        return [targets.named(context, self.material)]
+
+
+class SKYLIGHT_OT_apply_selected(Apply, bpy.types.Operator):
+    """Give the materials of all selected objects their reflectances, each the one chosen for it"""
+
+    bl_idname = "skylight.apply_selected"
+    bl_label = "Apply to Selection"
+
+    @classmethod
+    def nothing_to_do(cls, context):
+        selected = context.view_layer.objects.selected
+        found = any(obj.material_slots for obj in selected)
+        return "" if found else "Select objects with materials"
+
+    def targets(self, context):
+        return targets.selected(context)
+
+
+class SKYLIGHT_OT_apply_all(Apply, bpy.types.Operator):
+    """Give every material that has a CSV its reflectance, also anew after the CSV was edited"""
+
+    bl_idname = "skylight.apply_all"
+    bl_label = "Apply to All"
+
+    @classmethod
+    def nothing_to_do(cls, context):
+        found = any(material.skylight.filepath for material in bpy.data.materials)
+        return "" if found else "Choose a reflectance CSV for a material first"
+
+    def targets(self, context):
+        return [material for material in bpy.data.materials if material.skylight.filepath]
+
+
+CLASSES = (SKYLIGHT_OT_apply, SKYLIGHT_OT_apply_selected, SKYLIGHT_OT_apply_all)

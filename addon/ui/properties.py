@@ -1,0 +1,180 @@
+"""What a person chooses, kept in the blend file with the material or the World it belongs to."""
+
+# No postponed annotations here and in operators: Blender reads its properties from them.
+# mypy: disable-error-code="valid-type"
+
+import bpy
+
+from ..errors import InputError
+
+UNITS = (
+    ("AUTO", "From the File", "By the column headers, else by the size of the numbers"),
+    ("PERCENT", "Percent", "0 to 100"),
+    ("FRACTION", "Fraction", "0 to 1"),
+)
+BASES = (
+    ("rayleigh", "Rayleigh", "Sunlight scattered by air never, once and twice: clear skies"),
+    ("daylight", "CIE Daylight", "The CIE daylight functions: measured days, also overcast"),
+)
+
+
+def _file_changed(self, context) -> None:
+    """Read the column names of a newly chosen file, once; panels draw what is kept."""
+    self.columns.clear()
+    self.problem = ""
+    if not self.filepath:
+        self.column = ""
+        return
+    try:
+        names = self.read_names(self.filepath)
+    except InputError as error:
+        self.problem = str(error)
+        return
+    for name in names:
+        self.columns.add().name = name
+    if self.column not in names:
+        likely = names[0] if len(names) == 1 else self.id_data.name
+        self.column = likely if likely in names else ""
+
+
+def _swatch(self) -> tuple[float, ...]:
+    colour = _colour(self.id_data)
+    return tuple(max(0.0, part) / _over(colour) for part in colour)
+
+
+def _swatch_scale(self) -> float:
+    return 1.0 / _over(_colour(self.id_data))
+
+
+def _colour(material) -> tuple[float, ...]:
+    from ..scene import materials
+
+    managed = materials.managed(material)
+    return tuple(managed.extra.get("colour", (0.0,) * 3)) if managed else (0.0,) * 3
+
+
+def _over(colour) -> float:
+    """By how much the brightest part of a colour exceeds what a swatch can show."""
+    return max(1.0, *colour)
+
+
+class SkylightColumn(bpy.types.PropertyGroup):
+    """One column of a reflectance file, by its name."""
+
+
+class SkylightReflectance(bpy.types.PropertyGroup):
+    """Which reflectance a material is to have, as `material.skylight`."""
+
+    filepath: bpy.props.StringProperty(
+        name="Reflectance File",
+        description="CSV: wavelength in nm, then a column of measured reflectance per material",
+        update=_file_changed,
+    )
+    column: bpy.props.StringProperty(
+        name="Column", description="Which of the file's materials this one is"
+    )
+    columns: bpy.props.CollectionProperty(type=SkylightColumn)
+    unit: bpy.props.EnumProperty(
+        name="Unit", description="What the file's numbers are", items=UNITS
+    )
+    problem: bpy.props.StringProperty(description="Why the file cannot be read")
+    swatch: bpy.props.FloatVectorProperty(
+        name="Under This Sky",
+        description="The material's colour on level ground under this sky (linear, scene-referred)",
+        subtype="COLOR",
+        get=_swatch,
+    )
+    swatch_scale: bpy.props.FloatProperty(
+        description="What the colour was multiplied by for the swatch to show it", get=_swatch_scale
+    )
+
+    def read_names(self, filepath: str) -> tuple[str, ...]:
+        """The column names of a reflectance file; InputError for one that cannot be read."""
+        from ..spectra.table import read_table
+
+        return read_table(self.absolute(filepath)).names
+
+    def absolute(self, filepath: str) -> str:
+        """A path that may be relative to the blend file (``//``), resolved."""
+        return bpy.path.abspath(filepath, library=self.id_data.library)
+
+
+def _stored(world) -> dict:
+    from ..scene import settings
+
+    return settings.stored(world)
+
+
+def _store(world, **values) -> None:
+    from ..scene import settings
+
+    settings.store(world, {**settings.stored(world), **values})
+
+
+def _basis(self) -> int:
+    names = [basis[0] for basis in BASES]
+    name = _stored(self.id_data).get("basis")
+    return names.index(name) if name in names else 0
+
+
+class SkylightNumbers(bpy.types.PropertyGroup):
+    """What the numbers of a World's HDRI mean, as `world.skylight`.
+
+    They lie with the World as plain data (`scene.settings`), where scripts and the command line
+    leave theirs: the panel shows what the materials were made with, whoever made them.
+    """
+
+    basis: bpy.props.EnumProperty(
+        name="Skylight Model",
+        description="Which spectra skylight is expected to be mixed of",
+        items=BASES,
+        get=_basis,
+        set=lambda self, value: _store(self.id_data, basis=BASES[value][0]),
+    )
+    camera: bpy.props.StringProperty(
+        name="Camera",
+        description="Only for an HDRI of raw camera RGB: the camera's name (such as Nikon 5100), "
+        "or a CSV with its sensitivities R, G, B. Load the sky again after a change",
+        get=lambda self: _stored(self.id_data).get("camera") or "",
+        set=lambda self, value: _store(self.id_data, camera=value.strip() or None),
+    )
+    white_balanced: bpy.props.BoolProperty(
+        name="White-Balanced",
+        description="Whether the HDRI was white-balanced: the matrices must undo it, or nearly "
+        "all of the gain in colour is lost",
+        get=lambda self: _stored(self.id_data).get("white") is not None,
+        set=lambda self, value: _store(self.id_data, white=[1.0, 1.0, 1.0] if value else None),
+    )
+    white: bpy.props.FloatVectorProperty(
+        name="Neutral Light",
+        description="The RGB that neutral light had before the HDRI was white-balanced",
+        size=3,
+        min=0.0,
+        get=lambda self: _stored(self.id_data).get("white") or (1.0, 1.0, 1.0),
+        set=lambda self, value: _store(self.id_data, white=list(value)),
+    )
+
+
+def settings_of(world: bpy.types.World):
+    """The `spectral.Settings` that a World's panel shows."""
+    from ..scene import settings, spectral
+
+    stored = {key: value for key, value in settings.stored(world).items() if value is not None}
+    if stored.get("camera", "").startswith("//"):
+        stored["camera"] = bpy.path.abspath(stored["camera"], library=world.library)
+    return spectral.Settings(**stored)
+
+
+CLASSES = (SkylightColumn, SkylightReflectance, SkylightNumbers)
+
+
+def attach() -> None:
+    """Give materials and Worlds their properties."""
+    bpy.types.Material.skylight = bpy.props.PointerProperty(type=SkylightReflectance)
+    bpy.types.World.skylight = bpy.props.PointerProperty(type=SkylightNumbers)
+
+
+def detach() -> None:
+    """Take the properties off again; what they hold stays in the file."""
+    del bpy.types.Material.skylight
+    del bpy.types.World.skylight

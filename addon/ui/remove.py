@@ -1,0 +1,71 @@
+"""Giving materials back as they were: the active one, the selected, all."""
+
+# mypy: disable-error-code="valid-type"
+
+import bpy
+
+from . import operator, targets
+
+
+class Remove(operator.Thin):
+    """What the three operators share. The chosen file stays with the material, to apply again."""
+
+    def run(self, context):
+        from ..scene import materials
+
+        found, lines = targets.editable(
+            material for material in self.targets(context) if materials.is_managed(material)
+        )
+        for material in found:
+            materials.remove(material)
+        return [*lines, ("INFO", f"{len(found)} material(s) are as they were before")]
+
+
+class SKYLIGHT_OT_remove(Remove, bpy.types.Operator):
+    """Give the material back as it was before the reflectance was applied, all links and values"""
+
+    bl_idname = "skylight.remove"
+    bl_label = "Remove"
+
+    material: bpy.props.StringProperty(name="Material", description="Empty: the active one")
+
+    def targets(self, context):
+        return [targets.named(context, self.material)]
+
+
+class SKYLIGHT_OT_remove_selected(Remove, bpy.types.Operator):
+    """Give the materials of all selected objects back as they were before"""
+
+    bl_idname = "skylight.remove_selected"
+    bl_label = "Remove from Selection"
+
+    @classmethod
+    def hindrance(cls, context):
+        from ..scene import materials
+
+        found = any(materials.is_managed(material) for material in targets.selected(context))
+        return "" if found else "No selected object has a spectral material"
+
+    def targets(self, context):
+        return targets.selected(context)
+
+
+class SKYLIGHT_OT_remove_all(Remove, bpy.types.Operator):
+    """Give all materials of the file back as they were before, also those of other scenes"""
+
+    bl_idname = "skylight.remove_all"
+    bl_label = "Remove from All"
+
+    @classmethod
+    def hindrance(cls, context):
+        from ..scene import materials
+
+        return "" if materials.managed_materials() else "No material of the file is spectral"
+
+    def targets(self, context):
+        from ..scene import materials
+
+        return materials.managed_materials()
+
+
+CLASSES = (SKYLIGHT_OT_remove, SKYLIGHT_OT_remove_selected, SKYLIGHT_OT_remove_all)

@@ -1,0 +1,57 @@
+"""Which materials an operator is meant for, and which of them can be changed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import bpy
+
+from ..errors import InputError
+
+
+def active(context: bpy.types.Context) -> bpy.types.Material | None:
+    """The material that the properties editor shows, else the active object's."""
+    shown = getattr(context, "material", None)
+    return shown or getattr(context.view_layer.objects.active, "active_material", None)
+
+
+def named(context: bpy.types.Context, name: str) -> bpy.types.Material:
+    """The material of this name, the active one where it is empty; InputError without."""
+    from ..scene import files
+
+    if name:
+        return files.material(name)
+    material = active(context)
+    if material is None:
+        raise InputError("the scene", "has no active material", "select an object with a material")
+    return material
+
+
+def selected(context: bpy.types.Context) -> list[bpy.types.Material]:
+    """The materials of the selected objects, each once."""
+    from ..scene import materials
+
+    return materials.materials_of(context.view_layer.objects.selected)
+
+
+def editable(
+    found: Iterable[bpy.types.Material],
+) -> tuple[list[bpy.types.Material], list[tuple[str, str]]]:
+    """Those that this file can change, and a warning for each that was skipped.
+
+    Raises InputError where none is left of some.
+    """
+    from ..scene import materials
+
+    kept: list[bpy.types.Material] = []
+    skipped: list[InputError] = []
+    for material in found:
+        try:
+            materials.check_editable(material)
+        except InputError as error:
+            skipped.append(error)
+        else:
+            kept.append(material)
+    if skipped and not kept:
+        raise skipped[0]
+    return kept, [("WARNING", f"skipped: {error}") for error in skipped]

@@ -1,0 +1,169 @@
+"""What the panels show, drawn into a layout that records."""
+
+import importlib.util
+import json
+import pathlib
+
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from spectral_skylight.addon.scene import materials  # noqa: E402
+from spectral_skylight.addon.ui import panels, readout, wheels  # noqa: E402
+from spectral_skylight.tests.ui.stage import drawn, select  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+
+@pytest.fixture
+def applied(scene, tmp_path):
+    """Wall is brick."""
+    bpy.ops.skylight.apply(filepath=str(tmp_path / "brick.csv"), column="brick")
+    return scene
+
+
+def edit(**values):
+    """Change what is kept with the material Wall."""
+    wall = bpy.data.materials["Wall"]
+    extra = json.loads(wall[materials.MANAGED]["extra"])
+    wall[materials.MANAGED]["extra"] = json.dumps({**extra, **values})
+
+
+def test_the_sky_and_what_of_it_is_missing(applied):
+    main = drawn(panels.SKYLIGHT_PT_main)
+    assert "Sky: sky.exr" in main.text
+    assert "open sky: no shadows yet" in main.text
+    assert "% of this sky's light) is not on your materials" in main.text
+    assert "irradiance of degree" in main.text
+    assert "% at worst" in main.text
+    assert "press Update" not in main.text
+    assert main.operators == [
+        "skylight.load_sky",
+        "skylight.update",
+        "skylight.apply_all",
+        "skylight.remove_all",
+    ]
+
+
+def test_a_world_without_an_HDRI(scene):
+    scene.world = bpy.data.worlds.new("Grey")
+    text = drawn(panels.SKYLIGHT_PT_main).text
+    assert 'World "Grey"' in text
+    assert "open sky" not in text
+    scene.world = None
+    assert "has no World" in drawn(panels.SKYLIGHT_PT_main).text
+    assert "no World" in drawn(panels.SKYLIGHT_PT_numbers).text
+
+
+def test_another_HDRI_asks_for_an_update(applied):
+    image = applied.world.node_tree.nodes["Environment Texture"].image
+    applied.world.node_tree.nodes["Environment Texture"].image = image.copy()
+    assert "press Update" in drawn(panels.SKYLIGHT_PT_main).text
+
+
+PANELS_OF_A_MATERIAL = [panels.SKYLIGHT_PT_material, panels.SKYLIGHT_PT_material_properties]
+
+
+@pytest.mark.parametrize("panel", PANELS_OF_A_MATERIAL)
+def test_a_spectral_material(applied, panel):
+    shown = drawn(panel)
+    found = materials.managed(bpy.data.materials["Wall"]).extra
+    rgb, spectral = found["rgb_delta_E"], found["matrix_delta_E"]
+    assert f"RGB is off by ΔE {rgb:.1f}, spectral by {spectral:.1f}" in shown.text
+    assert "brick" in shown.text
+    assert "out of gamut" not in shown.text
+    assert shown.properties == ["filepath", "column", "unit", "swatch"]
+    assert {"skylight.apply", "skylight.remove"} <= set(shown.operators)
+
+
+@pytest.mark.parametrize("panel", PANELS_OF_A_MATERIAL)
+def test_a_material_before_anything_was_chosen(scene, panel):
+    shown = drawn(panel)
+    assert shown.properties == ["filepath"]
+    assert "skylight.choose_reflectance" in shown.operators
+    assert "skylight.apply" not in shown.operators
+    assert "skylight.remove" not in shown.operators
+
+
+def test_no_material(scene):
+    select()
+    assert "Select an object with a material" in drawn(panels.SKYLIGHT_PT_material).text
+    assert not panels.SKYLIGHT_PT_material_properties.poll(bpy.context)
+
+
+def test_warnings_of_a_material(applied):
+    edit(out_of_gamut=True, colour=[-0.5, 2.0, 4.0], rgb_delta_E=float("nan"))
+    text = drawn(panels.SKYLIGHT_PT_material).text
+    assert "out of gamut: Blender clamps it" in text
+    assert "brighter than white: shown at 25 % of its brightness" in text
+    assert "no errors to predict" in text
+    bpy.data.materials["Wall"].skylight.column = "moss"
+    assert "moss is chosen but not applied yet" in drawn(panels.SKYLIGHT_PT_material).text
+    applied.world = applied.world.copy()
+    assert "not this scene's: press Update" in drawn(panels.SKYLIGHT_PT_material).text
+
+
+def test_a_file_that_cannot_be_read(scene):
+    bpy.data.materials["Wall"].skylight.filepath = "/nowhere.csv"
+    shown = drawn(panels.SKYLIGHT_PT_material)
+    assert "nowhere.csv" in shown.text
+    assert "column" not in shown.properties
+
+
+def test_a_linked_material_says_so(scene, tmp_path):
+    library = tmp_path / "library.blend"
+    bpy.data.libraries.write(str(library), {bpy.data.materials["Wall"]}, fake_user=True)
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.materials = ["Wall"]
+    bpy.data.objects["Wall"].data.materials[0] = wanted.materials[0]
+    shown = drawn(panels.SKYLIGHT_PT_material)
+    assert "is linked from" in shown.text
+    assert shown.operators == []
+
+
+def test_the_table_of_all(applied, monkeypatch):
+    assert "Wall: brick" in drawn(panels.SKYLIGHT_PT_all).text
+    bpy.data.materials["Wall"].copy()  # a copy is spectral too
+    monkeypatch.setattr(readout, "ROWS", 1)
+    assert "and 1 more" in drawn(panels.SKYLIGHT_PT_all).text
+    bpy.ops.skylight.remove_all()
+    assert "No material is spectral yet" in drawn(panels.SKYLIGHT_PT_all).text
+
+
+def test_sky_numbers(applied):
+    assert drawn(panels.SKYLIGHT_PT_numbers).properties == ["basis", "camera", "white_balanced"]
+    applied.world.skylight.white_balanced = True
+    assert "white" in drawn(panels.SKYLIGHT_PT_numbers).properties
+
+
+def test_drawing_opens_no_file(applied, monkeypatch):
+    def refuse(*arguments, **options):
+        raise AssertionError("draw() opens a file")
+
+    monkeypatch.setattr(pathlib.Path, "open", refuse)
+    monkeypatch.setattr("builtins.open", refuse)
+    for panel in panels.CLASSES:
+        drawn(panel)
+
+
+def test_missing_wheels_are_one_sentence(applied, monkeypatch):
+    found = importlib.util.find_spec
+    without = lambda name, *rest: None if name == "colour" else found(name, *rest)  # noqa: E731
+    monkeypatch.setattr(importlib.util, "find_spec", without)
+    wheels.missing.cache_clear()
+    try:
+        main = drawn(panels.SKYLIGHT_PT_main)
+        assert main.text.startswith("colour-science missing: install the Spectral Skylight zip")
+        assert main.operators == []
+        assert not panels.SKYLIGHT_PT_material.poll(bpy.context)
+        assert "zip" in drawn(panels.SKYLIGHT_PT_material_properties).text
+        with pytest.raises(RuntimeError, match="colour-science missing"):
+            bpy.ops.skylight.update()
+    finally:
+        wheels.missing.cache_clear()
+
+
+def test_every_operator_in_a_panel_exists(applied):
+    for panel in panels.CLASSES:
+        for identifier in drawn(panel).operators:
+            assert getattr(bpy.ops.skylight, identifier.split(".")[1]).get_rna_type()
