@@ -1,0 +1,164 @@
+"""The house rules, held by reading every import in the package.
+
+Data goes one way: files → spectra, sky → transfer → scene (with node_groups) → ui, command line.
+"""
+
+import ast
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+
+MAY_IMPORT = {
+    "errors": set(),
+    "spectra": {"errors"},
+    "sky": {"errors", "spectra"},
+    "transfer": {"errors", "spectra"},
+    "node_groups": set(),
+    "scene": {"errors", "spectra", "sky", "transfer", "node_groups"},
+    "ui": {"errors", "scene", "spectra"},
+    "registration": {"ui", "cli"},
+    "cli": {"errors", "spectra", "sky", "transfer", "scene", "batch"},
+    "batch": {"errors", "spectra", "sky", "transfer", "scene"},
+}
+"""Room and the other rooms that it may import from."""
+
+MODULES_OF = {
+    "errors": set(),
+    "spectra": {"numpy", "colour", "scipy"},
+    "sky": {"numpy", "OpenEXR", "scipy", "tqdm"},
+    "transfer": {"numpy", "colour"},
+    "node_groups": {"bpy"},
+    "scene": {"bpy", "mathutils", "numpy"},
+    "ui": {"bpy"},
+    "registration": {"bpy"},
+    "cli": {"numpy"},
+    "batch": {"bpy", "numpy"},
+}
+"""Room and the modules from outside, Python's own apart, that it may import."""
+
+WHEELS = {"colour", "scipy", "OpenEXR"}
+"""What only the add-on's zip brings; imported when first needed, never when a file is imported."""
+
+
+@dataclass(frozen=True)
+class Import:
+    """One import statement: where it stands, what it names and whether a function holds it."""
+
+    path: Path
+    line: int
+    module: str
+    relative: bool
+    late: bool
+
+    def __str__(self):
+        return f"{self.path.relative_to(ROOT)}:{self.line} imports {self.module}"
+
+
+def imports(path):
+    """Every import of a file; relative ones resolved to a path under the root, with dots."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    late = {
+        id(node)
+        for function in ast.walk(tree)
+        if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef)
+        for node in ast.walk(function)
+    }
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            for name in node.names:
+                yield Import(path, node.lineno, name.name, False, id(node) in late)
+        elif isinstance(node, ast.ImportFrom):
+            if not node.level:
+                yield Import(path, node.lineno, node.module, False, id(node) in late)
+                continue
+            here = path.relative_to(ROOT).parts[: -node.level]
+            base = ".".join([*here, *([node.module] if node.module else [])])
+            for name in node.names:
+                yield Import(path, node.lineno, f"{base}.{name.name}", True, id(node) in late)
+
+
+def room(parts):
+    """The room of a path or dotted name: addon's folders and files, and node_groups."""
+    parts = parts[1:] if parts[0] == "addon" else parts
+    return parts[0].removesuffix(".py")
+
+
+FILES = sorted(path for top in ("addon", "node_groups") for path in (ROOT / top).rglob("*.py"))
+ALL = [
+    found
+    for path in FILES
+    if path.relative_to(ROOT).parts != ("addon", "__init__.py")
+    for found in imports(path)
+]
+
+
+def of_room(found):
+    return room(found.path.relative_to(ROOT).parts)
+
+
+def test_every_room_has_its_rule():
+    assert {of_room(found) for found in ALL} <= MAY_IMPORT.keys()
+    assert MAY_IMPORT.keys() == MODULES_OF.keys()
+    assert len(ALL) > 100  # the walk sees the house
+
+
+@pytest.mark.parametrize("name", MAY_IMPORT)
+def test_data_goes_one_way(name):
+    wrong = [
+        str(found)
+        for found in ALL
+        if found.relative and of_room(found) == name
+        if room(found.module.split(".")) not in MAY_IMPORT[name] | {name}
+    ]
+    assert wrong == []
+
+
+@pytest.mark.parametrize("name", MODULES_OF)
+def test_rooms_use_only_their_modules(name):
+    allowed = MODULES_OF[name] | sys.stdlib_module_names
+    wrong = [
+        str(found)
+        for found in ALL
+        if not found.relative and of_room(found) == name
+        if found.module.split(".")[0] not in allowed
+    ]
+    assert wrong == []
+
+
+def test_wheels_are_imported_when_first_needed():
+    wrong = [str(f) for f in ALL if f.module.split(".")[0] in WHEELS and not f.late]
+    assert wrong == []
+
+
+def test_the_panel_imports_other_rooms_when_first_needed():
+    """Registration imports all of ui: what ui imports at once would come along."""
+    wrong = [
+        str(found)
+        for found in ALL
+        if found.relative and not found.late and of_room(found) in ("ui", "registration", "cli")
+        if room(found.module.split(".")) not in ("ui", "errors")
+    ]
+    assert wrong == []
+
+
+def test_the_package_names_itself_nowhere():
+    """Blender installs it as `bl_ext.….spectral_skylight`: an absolute import would miss it."""
+    assert [str(found) for found in ALL if found.module.startswith("spectral_skylight")] == []
+
+
+def test_the_root_imports_nothing_before_it_is_asked():
+    found = list(imports(ROOT / "__init__.py"))
+    assert found
+    assert [str(one) for one in found if not one.late] == []
+
+
+def test_relative_imports_stay_inside_the_package():
+    for path in FILES:
+        depth = len(path.relative_to(ROOT).parts)
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom):
+                assert node.level <= depth, f"{path}:{node.lineno}"
