@@ -17,6 +17,7 @@ import colour
 import numpy as np
 import patches
 import pictures
+import reference
 from geometry import BUILDING_CAMERA, BUILDING_MATERIALS, CHECKER_CAMERA
 from tqdm import tqdm
 
@@ -26,6 +27,7 @@ from spectral_skylight.addon.sky.light import SkyLight, analyse
 from spectral_skylight.addon.sky.panorama import read_panorama, write_panorama
 from spectral_skylight.addon.spectra.reflectance import read_reflectances
 from spectral_skylight.addon.transfer.matrices import transfer
+from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.addon.transfer.prediction import predict, rgb_albedo
 
 SUN_ELEVATION = 45.0
@@ -143,8 +145,6 @@ class MainJob:
 
     def compute_reference(self) -> None:
         """Without Blender: which surface each pixel shows, and under our own sky its colour."""
-        import reference
-
         self.surfaces = {
             "checker": reference.checker_normals(),
             "building": reference.building_normals(),
@@ -184,10 +184,25 @@ class MainJob:
             pictures.save_comparison(
                 self.out / f"{name}.png",
                 images[name],
+                self.error_maps(name, images[name]),
                 self.exposure,
                 [*summary, self.light.caption],
             )
         print("\n".join([*summary, self.light.caption]))
+
+    def error_maps(self, name: str, images: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Return CIEDE2000 of the rendered pictures on surfaces, NaN on sky and edges."""
+        if name not in self.references:
+            return {}
+        true, white = self.references[name]
+        shown = self.surfaces[name][0]
+        inside = np.max(
+            [reference.pixel_means(shown == k) for k in np.unique(shown[shown >= 0])], 0
+        )
+        return {
+            kind: np.where(inside == 1, delta_E(images[kind], true, white), np.nan)
+            for kind in ("rgb", "spectral")
+        }
 
     def blend(self, name: str) -> Path:
         return self.out / f"{name}.blend"

@@ -38,24 +38,47 @@ def save_png(path: Path, image: np.ndarray, exposure: float) -> None:
 
 
 def save_comparison(
-    path: Path, images: dict[str, np.ndarray], exposure: float, captions: list[str]
+    path: Path,
+    images: dict[str, np.ndarray],
+    errors: dict[str, np.ndarray],
+    exposure: float,
+    captions: list[str],
 ) -> None:
-    """Save pictures side by side under their titles, captions below."""
+    """Save pictures side by side under their titles, maps of their CIEDE2000 and captions below.
+
+    ``errors`` (h, w) by the name of the picture, empty where there is no reference.
+    """
     import matplotlib
 
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
     height, width = next(iter(images.values())).shape[:2]
+    rows = 2 if errors else 1
+    inches = 4.2 * height / width + 0.35
     figure, axes = pyplot.subplots(
-        1, len(images), figsize=(4.2 * len(images), 4.2 * height / width + 1.0), dpi=110
+        rows,
+        len(images),
+        squeeze=False,
+        figsize=(4.2 * len(images), rows * inches + 0.9),
+        dpi=110,
+        layout="constrained",
     )
-    for axis, (kind, image) in zip(axes, images.items(), strict=True):
+    for axis in axes.flat:
+        axis.set_axis_off()
+    for axis, (kind, image) in zip(axes[0], images.items(), strict=True):
         axis.imshow(show(image, exposure), interpolation="nearest")
         axis.set_title(TITLES[kind], fontsize=11)
-        axis.set_axis_off()
-    figure.subplots_adjust(left=0.01, right=0.99, top=0.91, bottom=0.2, wspace=0.02)
-    for k, caption in enumerate(captions):
-        figure.text(0.5, 0.125 - 0.05 * k, caption, ha="center", fontsize=9)
+    for k, error in enumerate(errors.values()):
+        worst = np.nanmax(error)
+        shown = axes[1, k].imshow(error, cmap="magma", vmin=0, vmax=2, interpolation="nearest")
+        axes[1, k].set_title(
+            f"CIEDE2000: mean {np.nanmean(error):.2f}, worst {worst:.1f}", fontsize=10
+        )
+    if errors:
+        figure.colorbar(
+            shown, ax=axes[1, -1], location="left", fraction=0.06, extend="max", label="CIEDE2000"
+        )
+    figure.supxlabel("\n".join(captions), fontsize=9)
     figure.savefig(path)
     pyplot.close(figure)

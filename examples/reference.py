@@ -154,10 +154,16 @@ def _irradiance_once(sky: np.ndarray, normals: np.ndarray) -> np.ndarray:
 
 
 def _background(sky_rgb: np.ndarray, camera: Camera) -> np.ndarray:
+    """Return the sky behind each pixel, between its own pixels by straight lines."""
     _, directions = camera.rays()
-    height = sky_rgb.shape[0]
-    u = 0.5 - np.arctan2(directions[..., 1], directions[..., 0]) / (2 * np.pi)
-    v = 0.5 - np.arcsin(np.clip(directions[..., 2], -1, 1)) / np.pi
-    row = np.minimum((v * height).astype(int), height - 1)
-    column = np.minimum((u * 2 * height).astype(int), 2 * height - 1)
-    return sky_rgb[row, column].astype(float)
+    height, width = sky_rgb.shape[:2]
+    x = (0.5 - np.arctan2(directions[..., 1], directions[..., 0]) / (2 * np.pi)) * width - 0.5
+    y = (0.5 - np.arcsin(np.clip(directions[..., 2], -1, 1)) / np.pi) * height - 0.5
+    column, row = np.floor(x).astype(int), np.floor(y).astype(int)
+    colour = np.zeros(directions.shape)
+    for i in (0, 1):
+        for j in (0, 1):
+            weight = np.abs(1 - i - (y - row)) * np.abs(1 - j - (x - column))
+            pixel = sky_rgb[np.clip(row + i, 0, height - 1), (column + j) % width]
+            colour += weight[..., None] * pixel
+    return colour
