@@ -194,13 +194,20 @@ class MainJob:
         """Return CIEDE2000 of the rendered pictures on surfaces, NaN on sky and edges."""
         if name not in self.references:
             return {}
+        from scipy.ndimage import binary_erosion
+
         true, white = self.references[name]
         shown = self.surfaces[name][0]
-        inside = np.max(
-            [reference.pixel_means(shown == k) for k in np.unique(shown[shown >= 0])], 0
+        # Blender's pixel filter reaches a pixel beyond an edge.
+        inside = np.any(
+            [
+                binary_erosion(reference.pixel_means(shown == k) == 1)
+                for k in range(len(self.assigned[name]))
+            ],
+            axis=0,
         )
         return {
-            kind: np.where(inside == 1, delta_E(images[kind], true, white), np.nan)
+            kind: np.where(inside, delta_E(images[kind], true, white), np.nan)
             for kind in ("rgb", "spectral")
         }
 

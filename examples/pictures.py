@@ -76,9 +76,8 @@ def save_comparison(
             f"CIEDE2000: mean {np.nanmean(error):.2f}, worst {worst:.1f}", fontsize=10
         )
     if errors:
-        figure.colorbar(
-            shown, ax=axes[1, -1], location="left", fraction=0.06, extend="max", label="CIEDE2000"
-        )
+        bar = axes[1, -1].inset_axes([0.02, 0.1, 0.05, 0.8])
+        figure.colorbar(shown, cax=bar, extend="max", label="CIEDE2000")
     figure.supxlabel("\n".join(captions), fontsize=9)
     figure.savefig(path)
     pyplot.close(figure)
