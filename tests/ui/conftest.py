@@ -18,6 +18,7 @@ def scene(addon, tmp_path):
     """Two cubes with the materials Wall and Roof, the first active, under an HDRI; brick.csv."""
     import bpy
 
+    from spectral_skylight.addon.scene import world as worlds
     from spectral_skylight.tests.ui import stage
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
@@ -34,5 +35,11 @@ def scene(addon, tmp_path):
     stage.select("Wall")
     stage.write_sky(tmp_path / "sky.exr")
     (tmp_path / "brick.csv").write_text(stage.BRICK)
-    bpy.ops.skylight.load_sky(filepath=str(tmp_path / "sky.exr"))
+    worlds.set_sky(scene, tmp_path / "sky.exr")  # nothing is analysed yet
     return scene
+
+
+@pytest.fixture
+def brick(tmp_path, scene):
+    """A CSV with the columns brick and moss, as the operators take it."""
+    return str(tmp_path / "brick.csv")

@@ -4,7 +4,9 @@ from types import SimpleNamespace
 
 import bpy
 import numpy as np
+import pytest
 
+from spectral_skylight.addon.scene import materials
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 
 BRICK = "wavelength_nm,brick,moss\n" + "".join(
@@ -29,6 +31,49 @@ def select(*names):
     for obj in objects:
         obj.select_set(obj.name in names)
     objects.active = objects.get(names[0]) if names else None
+
+
+def material(name="Wall"):
+    return bpy.data.materials[name]
+
+
+def given(name="Wall"):
+    managed = materials.managed(material(name))
+    return managed and managed.reflectance_name
+
+
+def matrix(name="Wall"):
+    return np.array(materials.managed(material(name)).matrix)
+
+
+def links(name="Wall"):
+    """Every link of a material's tree, by names."""
+    return sorted(
+        (link.from_node.name, link.from_socket.name, link.to_node.name, link.to_socket.name)
+        for link in material(name).node_tree.links
+    )
+
+
+def state():
+    """What of the file an operator that fails must not have touched."""
+    return (
+        bpy.context.scene.world,
+        [(m.name, given(m.name), m.skylight.filepath, links(m.name)) for m in bpy.data.materials],
+        sorted(tree.name for tree in bpy.data.node_groups),
+        sorted(world.name for world in bpy.data.worlds),
+    )
+
+
+def error_of(operator, **properties):
+    """The one line that an operator which must fail reports; checks that nothing changed."""
+    before = state()
+    with pytest.raises(RuntimeError) as caught:
+        operator(**properties)
+    assert state() == before
+    message = str(caught.value).strip()
+    assert "\n" not in message
+    assert message.startswith("Error: ")
+    return message
 
 
 class Recorder:

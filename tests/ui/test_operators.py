@@ -1,4 +1,4 @@
-"""Every operator as a script calls it, and that errors are one line and change nothing."""
+"""Sky, choice of reflectance, update and the sky's numbers, as a script calls them."""
 
 import re
 
@@ -8,61 +8,20 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from spectral_skylight.addon.scene import materials, settings, sky_light  # noqa: E402
-from spectral_skylight.tests.ui.stage import select, write_sky  # noqa: E402
+from spectral_skylight.tests.ui.stage import (  # noqa: E402
+    error_of,
+    given,
+    material,
+    matrix,
+    select,
+    write_sky,
+)
 
 pytestmark = pytest.mark.blender
 
 
-@pytest.fixture
-def brick(tmp_path, scene):
-    """A CSV with the columns brick and moss, as the operators take it."""
-    return str(tmp_path / "brick.csv")
-
-
-def material(name="Wall"):
-    return bpy.data.materials[name]
-
-
-def given(name="Wall"):
-    managed = materials.managed(material(name))
-    return managed and managed.reflectance_name
-
-
-def matrix(name="Wall"):
-    return np.array(materials.managed(material(name)).matrix)
-
-
-def links(name="Wall"):
-    """Every link of a material's tree, by names."""
-    return sorted(
-        (link.from_node.name, link.from_socket.name, link.to_node.name, link.to_socket.name)
-        for link in material(name).node_tree.links
-    )
-
-
-def state():
-    """What of the file an operator that fails must not have touched."""
-    return (
-        bpy.context.scene.world,
-        [(m.name, given(m.name), m.skylight.filepath, links(m.name)) for m in bpy.data.materials],
-        sorted(tree.name for tree in bpy.data.node_groups),
-        sorted(world.name for world in bpy.data.worlds),
-    )
-
-
-def error_of(operator, **properties):
-    """The one line that an operator which must fail reports; checks that nothing changed."""
-    before = state()
-    with pytest.raises(RuntimeError) as caught:
-        operator(**properties)
-    assert state() == before
-    message = str(caught.value).strip()
-    assert "\n" not in message
-    assert message.startswith("Error: ")
-    return message
-
-
 def test_load_sky_lights_the_scene(scene, tmp_path):
+    bpy.ops.skylight.load_sky(filepath=str(tmp_path / "sky.exr"))
     world = scene.world
     assert world.node_tree.nodes.get("Environment Texture").image.name == "sky.exr"
     assert "% of this sky's light" in sky_light.description_of(world)["caption"]
@@ -125,105 +84,6 @@ def test_a_path_that_was_typed_wrongly_says_so(scene, brick):
     assert choice.problem == ""
 
 
-def test_apply_on_a_named_material(scene, brick):
-    select()
-    bpy.ops.skylight.apply(material="Roof", filepath=brick, column="moss")
-    assert (given("Roof"), given("Wall")) == ("moss", None)
-    choice = material("Roof").skylight
-    assert (choice.filepath, choice.column) == (brick, "moss")
-
-
-def test_apply_on_the_active_material_by_what_was_chosen(scene, brick):
-    bpy.ops.skylight.choose_reflectance(filepath=brick, column="moss")
-    bpy.ops.skylight.apply()
-    assert (given("Roof"), given("Wall")) == (None, "moss")
-
-
-def test_apply_twice_is_once(scene, brick):
-    bpy.ops.skylight.apply(filepath=brick, column="brick")
-    once = (links(), matrix().tolist(), len(bpy.data.node_groups), len(material().node_tree.nodes))
-    bpy.ops.skylight.apply(filepath=brick, column="brick")
-    twice = (links(), matrix().tolist(), len(bpy.data.node_groups), len(material().node_tree.nodes))
-    assert twice == once
-
-
-def test_apply_on_the_selection(scene, brick):
-    bpy.ops.skylight.choose_reflectance(filepath=brick, column="brick")
-    select("Wall", "Roof")
-    bpy.ops.skylight.apply_selected()
-    assert (given("Wall"), given("Roof")) == ("brick", None)  # Roof has no CSV: skipped and said
-    bpy.ops.skylight.apply_selected(filepath=brick, column="moss")
-    assert (given("Wall"), given("Roof")) == ("moss", "moss")
-    select()
-    with pytest.raises(RuntimeError, match="Select objects with materials"):
-        bpy.ops.skylight.apply_selected()
-
-
-def test_apply_on_all_that_have_a_reflectance(scene, brick):
-    with pytest.raises(RuntimeError, match="Choose a reflectance CSV"):
-        bpy.ops.skylight.apply_all()
-    bpy.data.materials.new("Bare")
-    bpy.ops.skylight.choose_reflectance(filepath=brick, column="brick")
-    bpy.ops.skylight.choose_reflectance(filepath=brick, column="moss", material="Roof")
-    select()
-    bpy.ops.skylight.apply_all()
-    assert (given("Wall"), given("Roof"), given("Bare")) == ("brick", "moss", None)
-
-
-def test_apply_in_percent(scene, brick, tmp_path):
-    """1.5 may be 1.5 % or a mistake: the file is refused until the unit is said."""
-    file = tmp_path / "dark.csv"
-    file.write_text("nm,soot\n" + "".join(f"{nm},1.5\n" for nm in range(380, 781, 10)))
-    assert "percent or fraction" in error_of(bpy.ops.skylight.apply, filepath=str(file))
-    bpy.ops.skylight.apply(filepath=str(file), unit="PERCENT")
-    # A grey reflectance c is c times the identity in a colorimetric HDRI; float32 sockets.
-    assert matrix() == pytest.approx(0.015 * np.eye(3), abs=1e-8)
-    assert material().skylight.unit == "PERCENT"
-
-
-@pytest.mark.parametrize(
-    "text, says",
-    [
-        ("nm,brick\n400,0.1\n700,much\n", "'much' is not a number"),
-        ("nm,brick\n400,0.1\n700,0.2\n", "a gap from 400 to 700 nm"),
-        ("nm,brick,moss\n", "no row of numbers"),
-    ],
-)
-def test_apply_a_broken_file(scene, brick, tmp_path, text, says):
-    file = tmp_path / "broken.csv"
-    file.write_text(text)
-    message = error_of(bpy.ops.skylight.apply, filepath=str(file))
-    assert says in message
-    assert "broken.csv" in message
-
-
-def test_apply_is_all_or_nothing(scene, brick, tmp_path):
-    """Wall's file is good and Roof's is broken since it was chosen: neither is touched."""
-    file = tmp_path / "roof.csv"
-    file.write_text((tmp_path / "brick.csv").read_text())
-    bpy.ops.skylight.choose_reflectance(filepath=brick, column="brick")
-    bpy.ops.skylight.choose_reflectance(filepath=str(file), column="moss", material="Roof")
-    file.write_text("nm,moss\n400,-1\n")
-    assert "roof.csv" in error_of(bpy.ops.skylight.apply_all)
-
-
-def test_apply_needs_a_column_and_a_file(scene, brick):
-    assert "holds 2 materials; choose a column" in error_of(bpy.ops.skylight.apply, filepath=brick)
-    assert "no column 'slate'" in error_of(bpy.ops.skylight.apply, filepath=brick, column="slate")
-    assert "choose a CSV" in error_of(bpy.ops.skylight.apply)
-    assert "has no material 'Door'" in error_of(bpy.ops.skylight.apply, material="Door")
-
-
-def test_a_world_without_an_HDRI(scene, brick):
-    scene.world = bpy.data.worlds.new("Grey")
-    with pytest.raises(RuntimeError, match='World "Grey"'):
-        bpy.ops.skylight.apply(filepath=brick, column="brick")
-    scene.world = None
-    with pytest.raises(RuntimeError, match="has no World"):
-        bpy.ops.skylight.apply(filepath=brick, column="brick")
-    assert given() is None
-
-
 def test_update_follows_the_HDRI(scene, brick, tmp_path):
     with pytest.raises(RuntimeError, match="No material is spectral yet"):
         bpy.ops.skylight.update()
@@ -280,63 +140,6 @@ def test_a_wrong_camera_is_one_line(scene, brick):
     scene.world.skylight.camera = "Brownie"
     message = error_of(bpy.ops.skylight.apply, filepath=brick, column="brick")
     assert re.search("'Brownie' is neither a file nor a known camera", message)
-
-
-def test_remove_gives_the_material_back(scene, brick):
-    before = {name: links(name) for name in ("Wall", "Roof")}
-    groups = len(bpy.data.node_groups)
-    bpy.ops.skylight.apply(filepath=brick, column="brick")
-    bpy.ops.skylight.apply(filepath=brick, column="moss", material="Roof")
-    bpy.ops.skylight.remove()
-    assert (given("Wall"), given("Roof")) == (None, "moss")
-    assert links("Wall") == before["Wall"]
-    assert material().skylight.filepath == brick  # the choice stays, to apply again
-    bpy.ops.skylight.remove(material="Roof")
-    assert links("Roof") == before["Roof"]
-    assert len(bpy.data.node_groups) < groups + 1
-
-
-def test_remove_from_selection_and_all(scene, brick):
-    select("Wall", "Roof")
-    with pytest.raises(RuntimeError, match="No selected object has a spectral material"):
-        bpy.ops.skylight.remove_selected()
-    with pytest.raises(RuntimeError, match="No material of the file is spectral"):
-        bpy.ops.skylight.remove_all()
-    bpy.ops.skylight.apply_selected(filepath=brick, column="moss")
-    select("Roof")
-    bpy.ops.skylight.remove_selected()
-    assert (given("Wall"), given("Roof")) == ("moss", None)
-    bpy.ops.skylight.apply_selected(filepath=brick, column="moss")
-    bpy.ops.skylight.remove_all()
-    assert (given("Wall"), given("Roof")) == (None, None)
-
-
-def test_a_linked_material_is_skipped_and_said(scene, brick, tmp_path, capfd):
-    library = tmp_path / "library.blend"
-    bpy.data.libraries.write(str(library), {bpy.data.materials["Roof"]}, fake_user=True)
-    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
-        wanted.materials = ["Roof"]
-    bpy.data.objects["Roof"].data.materials[0] = wanted.materials[0]
-    select("Wall", "Roof")
-    bpy.ops.skylight.apply_selected(filepath=brick, column="brick")
-    assert given("Wall") == "brick"
-    assert not materials.is_managed(wanted.materials[0])
-    assert 'skipped: material "Roof": is linked from' in capfd.readouterr().out
-    select("Roof")
-    with pytest.raises(RuntimeError, match="is linked from .*library.blend"):
-        bpy.ops.skylight.apply(filepath=brick, column="brick")
-
-
-def test_a_step_back_undoes_apply(scene, brick):
-    before = links()
-    bpy.ops.ed.undo_push(message="before")
-    bpy.ops.skylight.apply("EXEC_DEFAULT", True, filepath=brick, column="brick")
-    assert given() == "brick"
-    bpy.ops.ed.undo()
-    assert (given(), links(), material().skylight.filepath) == (None, before, "")
-    bpy.ops.ed.redo()
-    assert (given(), material().skylight.column) == ("brick", "brick")
-    bpy.ops.skylight.update()
 
 
 def test_the_swatch_is_the_colour_under_this_sky(scene, brick, tmp_path):
