@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import bpy
@@ -56,6 +56,15 @@ def _ensure_socket(
     socket = tree.interface.new_socket(name, in_out=in_out, socket_type=socket_type)
     if value is not None:
         socket.default_value = value
+        for node in instances(tree):  # they have the new input already, at 0
+            (node.inputs if in_out == "INPUT" else node.outputs)[name].default_value = value
+
+
+def instances(tree: bpy.types.NodeTree) -> Iterator[bpy.types.Node]:
+    """All group nodes in this file's materials, Worlds and groups that show a group."""
+    owners = (*bpy.data.materials, *bpy.data.worlds)
+    trees = (*(o.node_tree for o in owners if o.node_tree), *bpy.data.node_groups)
+    return (n for t in trees for n in t.nodes if n.type == "GROUP" and n.node_tree == tree)
 
 
 def add(tree: bpy.types.NodeTree, type_name: str, *sources: Any, **settings: Any) -> bpy.types.Node:

@@ -1,8 +1,27 @@
 """What several rooms' tests share."""
 
+import os
+import sys
 from pathlib import Path
 
 import pytest
+
+_exit_status = 0
+
+
+def pytest_sessionfinish(exitstatus):
+    """Keep the status for `pytest_unconfigure`, which is not told it."""
+    global _exit_status
+    _exit_status = int(exitstatus)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_unconfigure():
+    """Leave at once where bpy was used: before 5.0 it can crash at interpreter exit."""
+    if "bpy" in sys.modules:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(_exit_status)
 
 
 @pytest.fixture(scope="session")

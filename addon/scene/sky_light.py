@@ -37,8 +37,7 @@ def ensure(world: bpy.types.World) -> bpy.types.NodeTree:
 
 
 def _value_path(world: bpy.types.World, node: str, socket: str) -> str:
-    index = world.node_tree.nodes[node].inputs.find(socket)
-    return f'node_tree.nodes["{bpy.utils.escape_identifier(node)}"].inputs[{index}].default_value'
+    return "node_tree." + world.node_tree.nodes[node].inputs[socket].path_from_id("default_value")
 
 
 def set_coefficients(world: bpy.types.World, coefficients: np.ndarray) -> None:

@@ -104,8 +104,8 @@ def _mapping(place: str, texture: bpy.types.Node) -> bpy.types.Node | None:
                 place, "its Mapping has no Vector", "link Texture Coordinate Generated"
             )
         for name, neutral in (("Location", 0.0), ("Scale", 1.0), ("Rotation", None)):
-            socket = mapping.inputs[name]
-            if not socket.enabled:  # a Vector mapping has no location
+            socket = mapping.inputs.get(name)
+            if socket is None or not socket.enabled:  # a Vector mapping has no location
                 continue
             if nodes.source(socket) is not None:
                 raise InputError(place, f"its Mapping's {name} is linked", "set it as a value")
@@ -154,8 +154,9 @@ def set_sky(scene: bpy.types.Scene, path: str | Path, background_matrix=None) ->
     """
     path = Path(path).resolve()
     world = scene.world if _shows(scene.world, path) else _new_world(scene, path)
-    if background_matrix is not None and not np.allclose(background_matrix, np.eye(3), atol=1e-9):
-        world = _with_matrix(world, background_matrix)
+    matrix = np.eye(3) if background_matrix is None else np.asarray(background_matrix)
+    if _matrix_node(world) is not None or not np.allclose(matrix, np.eye(3), atol=1e-9):
+        world = _with_matrix(world, matrix)
     scene.world = world
     return world
 
@@ -187,11 +188,17 @@ def _new_world(scene: bpy.types.Scene, path: Path) -> bpy.types.World:
     return world
 
 
+def _matrix_node(world: bpy.types.World) -> bpy.types.Node | None:
+    """The Spectral Matrix node that feeds a World's Background, None without."""
+    found = nodes.source(world.node_tree.nodes[sky_of(world).background].inputs["Color"])
+    return found.node if _is_spectral_matrix(found.node) else None
+
+
 def _with_matrix(world: bpy.types.World, matrix) -> bpy.types.World:
     """The World, or a copy of it where it has none yet, with this matrix before its Background."""
-    sky = sky_of(world)
-    source = nodes.source(world.node_tree.nodes[sky.background].inputs["Color"])
-    if not _is_spectral_matrix(source.node):
+    node = _matrix_node(world)
+    if node is None:
+        sky = sky_of(world)
         world = world.copy()
         tree = world.node_tree
         texture, background = tree.nodes[sky.texture], tree.nodes[sky.background]
@@ -201,6 +208,5 @@ def _with_matrix(world: bpy.types.World, matrix) -> bpy.types.World:
         node.location = (background.location.x - 40, background.location.y - 160)
         tree.links.new(texture.outputs[0], node.inputs["Color"])
         tree.links.new(node.outputs[0], background.inputs["Color"])
-        source = node.outputs[0]
-    spectral_matrix.set_matrix(source.node, matrix)
+    spectral_matrix.set_matrix(node, matrix)
     return world

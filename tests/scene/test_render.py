@@ -1,0 +1,133 @@
+"""Pictures are whole, repeatable and what the file says, also without the add-on."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import OpenEXR
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from spectral_skylight.addon.errors import InputError  # noqa: E402
+from spectral_skylight.addon.scene import materials, render, sky_light  # noqa: E402
+from spectral_skylight.tests import faces  # noqa: E402
+
+pytestmark = [pytest.mark.blender, pytest.mark.slow]
+
+
+@pytest.fixture
+def scene(tmp_path):
+    scene = faces.empty_scene()
+    world = faces.light(scene, tmp_path)
+    material = bpy.data.materials.new("Matt")
+    materials.apply(material, world, np.eye(3), reflectance_name="", reflectance_hash="")
+    sky_light.set_coefficients(world, [[0.2, 0.4, 0.8], *np.full((3, 3), 0.1)])
+    faces.add_faces(scene, faces.directions(16)).material_slots[0].material = material
+    return scene
+
+
+def settings_of(scene):
+    owners = (scene, scene.render, scene.render.image_settings, scene.view_settings)
+    return [
+        {
+            p.identifier: str(getattr(o, p.identifier))
+            for p in o.bl_rna.properties
+            if not p.is_readonly
+        }
+        for o in owners
+    ]
+
+
+def test_files_settings_and_repeats(scene, tmp_path):
+    scene.render.engine = "CYCLES"
+    scene.render.image_settings.file_format = "JPEG"
+    scene.render.image_settings.quality = 33
+    scene.render.resolution_percentage = 200
+    before = settings_of(scene)
+    exr, png = render.render(scene, tmp_path / "new" / "one.exr", engine="eevee")
+    assert settings_of(scene) == before
+    assert sorted(f.name for f in exr.parent.iterdir()) == ["one.exr", "one.png"]
+    channels = OpenEXR.File(str(exr)).channels()
+    assert list(channels) == ["RGB"] and channels["RGB"].pixels.shape == (24, 24, 3)
+    assert channels["RGB"].pixels.dtype == np.float32
+    again, _ = render.render(scene, tmp_path / "two.exr", engine="eevee")
+    assert again.read_bytes() == exr.read_bytes()  # no date, no time, no host
+    assert png.read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+
+
+def test_png_goes_through_the_view_transform(scene, tmp_path):
+    def brightness():
+        _, png = render.render(scene, tmp_path / "view.exr", engine="eevee")
+        image = bpy.data.images.load(str(png))
+        values = np.array(image.pixels[:]).reshape(-1, 4)[:, :3]
+        bpy.data.images.remove(image)
+        return values
+
+    scene.view_settings.view_transform = "Standard"
+    linear = OpenEXR.File(str(render.render(scene, tmp_path / "l.exr")[0])).channels()["RGB"].pixels
+    linear = linear[::-1].reshape(-1, 3)
+    encoded = np.where(
+        linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 1e-9) ** (1 / 2.4) - 0.055
+    )
+    # 8 bits, dithered by up to one step.
+    np.testing.assert_allclose(brightness(), np.clip(encoded, 0, 1), atol=2.1 / 255)
+    scene.view_settings.exposure = -2.0
+    assert brightness().mean() < 0.7 * np.clip(encoded, 0, 1).mean()
+
+
+def test_cameras_and_engines_by_name(scene, tmp_path):
+    other = bpy.data.objects.new("Other", bpy.data.cameras.new("Other"))
+    other.location = (0, 0, -10)
+    scene.collection.objects.link(other)
+    used = scene.camera
+    render.render(scene, tmp_path / "other.exr", camera="Other", engine="cycles")
+    assert scene.camera == used
+    with pytest.raises(InputError, match='no camera "Third"; it has Camera, Other'):
+        render.render(scene, tmp_path / "no.exr", camera="Third")
+    with pytest.raises(InputError, match='"luxcore" is not known; use eevee or cycles'):
+        render.render(scene, tmp_path / "no.exr", engine="luxcore")
+    scene.camera = None
+    with pytest.raises(InputError, match="has no active camera"):
+        render.render(scene, tmp_path / "no.exr")
+    assert not (tmp_path / "no.exr").exists()
+
+
+PLAIN = """
+import os, sys
+sys.modules["spectral_skylight"] = None  # an import would raise
+import bpy
+bpy.ops.wm.open_mainfile(filepath=sys.argv[1])
+scene = bpy.context.scene
+scene.render.engine = sys.argv[3]
+scene.render.filepath = sys.argv[2]
+if hasattr(scene.render.image_settings, "media_type"):
+    scene.render.image_settings.media_type = "IMAGE"
+scene.render.image_settings.file_format = "OPEN_EXR"
+scene.render.image_settings.color_depth = "32"
+scene.render.image_settings.color_mode = "RGB"
+bpy.ops.render.render(write_still=True)
+os._exit(0)
+"""
+
+
+@pytest.mark.parametrize("engine", ["eevee", "cycles"])
+def test_the_same_without_the_add_on(scene, tmp_path, engine):
+    nodes = scene.world.node_tree.nodes
+    nodes["Mapping"].inputs["Rotation"].default_value = (0.1, 0.2, 0.3)
+    nodes["Background"].inputs["Strength"].default_value = 1.5
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"), copy=True)
+    ours = faces.picture(scene, tmp_path, engine)
+    command = [sys.executable, "-c", PLAIN, str(tmp_path / "saved.blend")]
+    plain = tmp_path / "plain.exr"
+    subprocess.run(
+        [*command, str(plain), render.engine_id(engine)],
+        check=True,
+        capture_output=True,
+        cwd=tmp_path,
+        env={k: v for k, v in os.environ.items() if k != "PYTHONPATH"},
+    )
+    theirs = OpenEXR.File(str(plain)).channels()["RGB"].pixels
+    assert ours.max() > 0.5 and np.ptp(ours) > 0.05
+    np.testing.assert_array_equal(theirs, ours)
