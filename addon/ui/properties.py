@@ -83,6 +83,7 @@ class SkylightReflectance(bpy.types.PropertyGroup):
         description="The material's colour on level ground under this sky (linear, scene-referred)",
         subtype="COLOR",
         get=_swatch,
+        set=lambda self, value: None,  # Blender draws a read-only colour dimmed: another colour
     )
     swatch_scale: bpy.props.FloatProperty(
         description="What the colour was multiplied by for the swatch to show it", get=_swatch_scale

@@ -13,7 +13,7 @@ from ..errors import InputError
 ROWS = 50
 """Materials that the table shows: a panel is drawn anew whenever the mouse moves over it."""
 
-CHARACTER = 6.5
+CHARACTER = 5.6
 """Mean width of a character [pixels at scale 1]: Blender does not wrap text by itself."""
 
 
@@ -23,7 +23,7 @@ def paragraph(
     """A sentence over as many lines as the panel's width asks for."""
     width = context.region.width if context.region else 600
     scale = context.preferences.system.ui_scale or 1.0  # 0 without a window
-    characters = max(20, int((width / scale - 60) / CHARACTER))
+    characters = max(20, int((width / scale - 45) / CHARACTER))
     column = layout.column(align=True)
     for number, line in enumerate(textwrap.wrap(text, characters)):
         column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
