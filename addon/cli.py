@@ -201,7 +201,8 @@ def _matrix(options: argparse.Namespace) -> None:
 
 def _sky(options: argparse.Namespace) -> None:
     from .sky.panorama import write_panorama, write_spectral
-    from .sky.scattering import WHITE_LUMINANCE, Atmosphere, clear_sky, sky_rgb
+    from .sky.atmosphere import Atmosphere
+    from .sky.scattering import WHITE_LUMINANCE, clear_sky, sky_rgb
     from .spectra.grid import WAVELENGTHS
 
     if not (options.out or options.spectral):

@@ -9,7 +9,6 @@ half of the sphere is level ground, lit by sun and sky.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -19,12 +18,9 @@ from ..errors import InputError
 from ..spectra.grid import WAVELENGTHS
 from ..spectra.sensitivities import observer
 from ..spectra.sunlight import extraterrestrial_sunlight
-
-EARTH_RADIUS = 6.371e6
-ATMOSPHERE_HEIGHT = 1.0e5
-AIR_SCALE_HEIGHT = 7994.0
-HAZE_SCALE_HEIGHT = 1200.0
-"""[m]. The scale heights are Nishita's."""
+from .atmosphere import EARTH_RADIUS, Atmosphere, Medium, medium
+from .gases import band_absorption, band_depth
+from .rays import columns_to_space, distances
 
 SUN_ANGULAR_RADIUS = 0.2665
 """[degrees] at one astronomical unit."""
@@ -35,39 +31,8 @@ WHITE_LUMINANCE = 1.0e4
 LUMINOUS_EFFICACY = 683.002
 """[lm/W] at 555 nm, CIE 018:2019."""
 
-_STEPS = 40
-_SUN_STEPS = 24
 _ELEVATIONS = 96
 _AZIMUTHS = 25
-
-
-@dataclass(frozen=True)
-class Atmosphere:
-    """A clear atmosphere over level ground.
-
-    ``haze``: vertical optical depth of aerosol at 550 nm (0.02 very clear, 0.1 clear, 0.3 hazy);
-    ``angstrom``: its Ångström exponent; ``asymmetry``: g of Cornette and Shanks;
-    ``ground``: reflectance, one number or a spectrum (81,).
-    """
-
-    haze: float = 0.05
-    angstrom: float = 1.3
-    asymmetry: float = 0.76
-    ground: ArrayLike = 0.2
-
-
-def rayleigh_optical_depth() -> NDArray[np.float64]:
-    """Return the vertical optical depth of air at sea level, (81,).
-
-    Bodhaine et al. 1999, equation 30 (DOI 10.1175/1520-0426(1999)016<1854:ORODC>2.0.CO;2), within
-    0.01 % over the grid.
-    """
-    square = (WAVELENGTHS / 1000.0) ** 2
-    return (
-        0.0021520
-        * (1.0455996 - 341.29061 / square - 0.90230850 * square)
-        / (1 + 0.0027059889 / square - 85.968563 * square)
-    )
 
 
 def clear_sky(
@@ -114,8 +79,8 @@ def clear_sky(
     elevations = np.pi * (0.5 - (np.arange(height) + 0.5) / height)
     longitudes = 2 * np.pi * (0.5 - (np.arange(2 * height) + 0.5) / (2 * height))
     sunlight = extraterrestrial_sunlight()
-    direct = _sun_transmittance(sun_elevation, atmosphere) * sunlight
-    scattered = _scattered_columns(sun_elevation, atmosphere) * sunlight
+    direct = sun_transmittance(sun_elevation, atmosphere) * sunlight
+    scattered = _table(sun_elevation, atmosphere) * sunlight
     downward = _sky_irradiance(scattered, sun, atmosphere) + direct * max(sun[2], 0.0)
     ground = np.broadcast_to(atmosphere.ground, WAVELENGTHS.shape) * downward / np.pi
     if sensitivities is not None:
@@ -170,83 +135,91 @@ def _haze_phase(cosine: NDArray, g: float) -> NDArray:
     )
 
 
-def _extinction(atmosphere: Atmosphere) -> tuple[NDArray, NDArray]:
-    """Return extinction by air and by haze at sea level, (81,) each [1/m]."""
-    haze = atmosphere.haze * (550.0 / WAVELENGTHS) ** atmosphere.angstrom
-    return rayleigh_optical_depth() / AIR_SCALE_HEIGHT, haze / HAZE_SCALE_HEIGHT
+def sun_transmittance(sun_elevation: float, atmosphere: Atmosphere) -> NDArray[np.float64]:
+    """Return what of the direct sun reaches the ground, (81,); 0 under the horizon."""
+    matter = medium(atmosphere)
+    columns = columns_to_space(matter, EARTH_RADIUS, np.sin(np.radians(sun_elevation)))
+    return transmittance(matter, columns)
 
 
-def _density(altitude: NDArray) -> NDArray:
-    """Return the densities of air and haze relative to sea level, (..., 2)."""
-    altitude = np.maximum(altitude, 0.0)[..., None]
-    return np.exp(-altitude / np.array([AIR_SCALE_HEIGHT, HAZE_SCALE_HEIGHT]))
+def transmittance(matter: Medium, columns: NDArray) -> NDArray[np.float64]:
+    """Return what passes through columns (..., 5) of air, haze, ozone, water, oxygen, (..., 81).
 
-
-def _exit_distance(radius: NDArray, cosine: NDArray) -> NDArray:
-    """Return the way [m] from a radius out of the atmosphere, by the cosine of the zenith angle."""
-    along = radius * cosine
-    top = EARTH_RADIUS + ATMOSPHERE_HEIGHT
-    return -along + np.sqrt(np.maximum(along**2 + top**2 - radius**2, 0.0))
-
-
-def _sun_columns(radius: NDArray, cosine: NDArray) -> NDArray:
-    """Return the columns of air and haze [m at sea level] towards the sun, (..., 2).
-
-    Infinite where the earth stands in between.
+    0 where they are infinite.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(_SUN_STEPS)
-    # Squared spacing: most of the air is near the start of the way.
-    fraction, measure = (0.5 * (nodes + 1)) ** 2, 0.5 * (nodes + 1) * weights
-    reach = _exit_distance(radius, cosine)[..., None]
-    way = fraction * reach
-    square = radius[..., None] ** 2 + way**2 + 2 * radius[..., None] * cosine[..., None] * way
-    columns = np.einsum(
-        "...sk,s,...->...k", _density(np.sqrt(square) - EARTH_RADIUS), measure, reach[..., 0]
-    )
-    shadow = (cosine < 0) & (radius * np.sqrt(np.maximum(1 - cosine**2, 0)) < EARTH_RADIUS)
-    return np.where(shadow[..., None], np.inf, columns)
+    blocked = np.isinf(columns).any(axis=-1, keepdims=True)
+    columns = np.where(blocked, 0.0, columns)
+    result = np.exp(-(columns[..., :3] @ matter.extinction))
+    if matter.bands.any():
+        where, _ = band_absorption()
+        result[..., where] *= np.exp(-band_depth(columns[..., 3:] * matter.bands))
+    return np.where(blocked, 0.0, result)
 
 
-def _sun_transmittance(sun_elevation: float, atmosphere: Atmosphere) -> NDArray:
-    """Return what reaches the ground of the direct sun, (81,); 0 under the horizon."""
-    cosine = np.sin(np.radians(sun_elevation))
-    columns = _sun_columns(np.array(EARTH_RADIUS + 1.0), np.array(cosine))
-    if not np.isfinite(columns).all():
-        return np.zeros(WAVELENGTHS.size)
-    return np.exp(-np.stack(_extinction(atmosphere), axis=-1) @ columns)
+def single_scattering(
+    sun_elevation: float,
+    directions: NDArray[np.float64],
+    atmosphere: Atmosphere | None = None,
+    sun_azimuth: float = 180.0,
+) -> NDArray[np.float64]:
+    """Return the radiance that sunlight scattered once brings from directions of the sky, (m, 81).
+
+    [W m^-2 sr^-1 nm^-1]. ``directions`` (m, 3): unit vectors above the horizon, z up and y north;
+    elevations and azimuth [degrees], the azimuth clockwise from north.
+    """
+    matter = medium(atmosphere or Atmosphere())
+    sun = _direction(np.radians(sun_elevation), np.radians(90.0 - sun_azimuth))
+    air, haze = scattered_once(matter, sun, directions)
+    cosine = directions @ sun
+    scattered = _rayleigh_phase(cosine)[:, None] * air
+    scattered += _haze_phase(cosine, matter.asymmetry)[:, None] * haze
+    return scattered * extraterrestrial_sunlight()
 
 
-def _scattered_columns(sun_elevation: float, atmosphere: Atmosphere) -> NDArray:
-    """Return light scattered towards the observer per unit of sunlight and of phase function.
+def scattered_once(matter: Medium, sun: NDArray, directions: NDArray) -> NDArray[np.float64]:
+    """Return light scattered once, by air and by haze, per sunlight and phase function, (2, m, 81).
 
-    By air and by haze, (2, elevations, azimuths from the sun, 81), on the nodes that `_at`
-    interpolates between: Nishita's equation 9 without its phase function, which alone changes
-    fast around the sun.
+    Nishita's equation 9 with its phase functions left out. Within a shell, what it scatters is
+    attenuated exactly; sunlight is taken from the middle of the way through it.
+    """
+    lowest = EARTH_RADIUS * np.sqrt(np.maximum(1.0 - directions[:, 2] ** 2, 0.0))
+    start = EARTH_RADIUS * directions[:, 2:]
+    reach = np.maximum(distances(matter, lowest), start)
+    way = np.diff(reach)
+    middle = 0.5 * (reach[:, 1:] + reach[:, :-1]) - start
+    position = middle[..., None] * directions[:, None, :] + np.array([0.0, 0.0, EARTH_RADIUS])
+    radius = np.linalg.norm(position, axis=-1)
+    to_sun = columns_to_space(matter, radius, position @ sun / radius)
+    within = way[..., None] * matter.density
+    before = np.cumsum(within, axis=1) - within
+    result = np.zeros((2, len(directions), WAVELENGTHS.size))
+    for k in range(way.shape[1]):  # one shell at a time bounds the memory
+        lit = np.flatnonzero(np.isfinite(to_sun[:, k, 0]) & (way[:, k] > 0))
+        depth = within[lit, k, :3] @ matter.extinction
+        # The mean of exp(-t) over 0 to depth; expm1 is exact where the depth is small.
+        mean = np.where(depth > 1e-9, -np.expm1(-depth) / np.maximum(depth, 1e-9), 1.0)
+        halved = before[lit, k] + 0.5 * within[lit, k] * _BANDS_ONLY
+        light = mean * transmittance(matter, halved + to_sun[lit, k])
+        for kind in range(2):
+            result[kind, lit] += within[lit, k, kind, None] * light
+    return result * matter.scattering[:2, None, :]
+
+
+def _table(sun_elevation: float, atmosphere: Atmosphere) -> NDArray[np.float64]:
+    """Return `scattered_once` on the nodes that `_radiance` interpolates between.
+
+    (2, elevations, azimuths from the sun, 81). The phase functions, which alone change fast
+    around the sun, come afterwards.
     """
     elevation = np.pi / 2 * ((np.arange(_ELEVATIONS) + 0.5) / _ELEVATIONS) ** 2
-    azimuth = np.linspace(0.0, np.pi, _AZIMUTHS)
+    view = _direction(elevation[:, None], np.linspace(0.0, np.pi, _AZIMUTHS))
     sun = _direction(np.radians(sun_elevation), 0.0)
-    view = _direction(elevation[:, None], azimuth)
-    start = EARTH_RADIUS + 1.0
-    reach = _exit_distance(np.array(start), view[..., 2])
-    nodes, weights = np.polynomial.legendre.leggauss(_STEPS)
-    fraction, measure = (0.5 * (nodes + 1)) ** 2, 0.5 * (nodes + 1) * weights
-    way = fraction * reach[..., None]
-    position = way[..., None] * view[:, :, None, :] + np.array([0.0, 0.0, start])
-    radius = np.linalg.norm(position, axis=-1)
-    density = _density(radius - EARTH_RADIUS)
-    step = measure * reach[..., None]
-    # Column from the observer to each node: the whole steps before it and half its own.
-    passed = np.cumsum(density * step[..., None], axis=2) - 0.5 * density * step[..., None]
-    columns = passed + _sun_columns(radius, position @ sun / radius)
-    air, haze = _extinction(atmosphere)
-    reached = np.zeros((*view.shape[:2], 2, WAVELENGTHS.size))
-    for k in range(_STEPS):  # one node at a time bounds the memory
-        with np.errstate(invalid="ignore"):
-            depth = columns[:, :, k, :1] * air + columns[:, :, k, 1:] * haze
-        light = np.exp(-depth)[:, :, None, :]
-        reached += (density[:, :, k] * step[:, :, k, None])[..., None] * light
-    return np.stack([reached[:, :, 0] * air, reached[:, :, 1] * haze])
+    table = scattered_once(medium(atmosphere), sun, view.reshape(-1, 3))
+    return table.reshape(2, _ELEVATIONS, _AZIMUTHS, WAVELENGTHS.size)
+
+
+_BANDS_ONLY = np.array([0.0, 0.0, 0.0, 1.0, 1.0])
+"""Matter whose attenuation within a shell is taken at its middle."""
 
 
 def _radiance(

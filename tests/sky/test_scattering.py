@@ -1,17 +1,20 @@
 """The simulated sky against closed forms, other people's figures and itself at finer steps."""
 
+import functools
+
 import numpy as np
 import pytest
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.sky import scattering
-from spectral_skylight.addon.sky.scattering import Atmosphere, clear_sky, rayleigh_optical_depth
+from spectral_skylight.addon.sky import atmosphere, scattering
+from spectral_skylight.addon.sky.atmosphere import Atmosphere, rayleigh_optical_depth
+from spectral_skylight.addon.sky.scattering import clear_sky, sun_transmittance
 from spectral_skylight.addon.spectra.bases import rayleigh
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.addon.spectra.sunlight import extraterrestrial_sunlight
 
-CLEAN = Atmosphere(haze=0.0, ground=0.0)
+CLEAN = Atmosphere(haze=0.0, ozone=0.0, water=0.0, oxygen=False, ground=0.0)
 HEIGHT = 32
 
 
@@ -26,7 +29,7 @@ def test_rayleigh_optical_depth_is_bodhaines():
 def test_thin_air_scatters_in_proportion_to_its_depth(monkeypatch):
     """With little air the sky is sunlight times depth times phase over the zenith's cosine."""
     thin = rayleigh_optical_depth() * 1e-5
-    monkeypatch.setattr(scattering, "rayleigh_optical_depth", lambda: thin)
+    monkeypatch.setattr(atmosphere, "rayleigh_optical_depth", lambda dispersion: thin)
     sky = clear_sky(60.0, HEIGHT, atmosphere=CLEAN)
     elevation = np.pi * (0.5 - 0.5 / HEIGHT)  # the row at the zenith
     # Column 3/4 looks south, where the sun is; the zenith angle between is 30 degrees less a bit.
@@ -41,7 +44,7 @@ def test_thin_air_scatters_in_proportion_to_its_depth(monkeypatch):
 
 
 def test_air_alone_scattered_once_lies_near_the_papers_basis():
-    """High sun, thin air: a zenith spectrum is a mixture of the basis but for the third power on."""
+    """High sun, thin air: a zenith spectrum is a mixture of the basis but for the third power."""
     zenith = clear_sky(60.0, HEIGHT, atmosphere=CLEAN)[0, 0]
     B = rayleigh()
     mixture = np.linalg.lstsq(B.T, zenith, rcond=None)[0] @ B
@@ -51,8 +54,10 @@ def test_air_alone_scattered_once_lies_near_the_papers_basis():
 @pytest.mark.parametrize("elevation", [60.0, 20.0, 2.0])
 def test_finer_steps_change_little(monkeypatch, elevation):
     coarse = clear_sky(elevation, HEIGHT)
-    for name, factor in (("_STEPS", 2), ("_SUN_STEPS", 2), ("_ELEVATIONS", 2), ("_AZIMUTHS", 2)):
-        monkeypatch.setattr(scattering, name, getattr(scattering, name) * factor)
+    for name in ("_ELEVATIONS", "_AZIMUTHS"):
+        monkeypatch.setattr(scattering, name, getattr(scattering, name) * 2)
+    finer = functools.partial(atmosphere.medium, shells=2 * atmosphere.SHELLS)
+    monkeypatch.setattr(scattering, "medium", finer)
     fine = clear_sky(elevation, HEIGHT)
     assert np.abs(coarse - fine).sum() < 1e-3 * fine.sum()
     # Single pixels on the horizon, where the table's rows are furthest apart.
@@ -101,7 +106,7 @@ def test_disc_holds_the_sunlight_exactly(elevation, height):
     edges = np.sin(np.linspace(np.pi / 2, -np.pi / 2, height + 1))
     solid = (edges[:-1] - edges[1:]) * np.pi / height
     received = np.einsum("h,hwn->n", solid, disc)
-    expected = scattering._sun_transmittance(elevation, Atmosphere()) * extraterrestrial_sunlight()
+    expected = sun_transmittance(elevation, Atmosphere()) * extraterrestrial_sunlight()
     np.testing.assert_allclose(received, expected, rtol=1e-4)
 
 
