@@ -244,6 +244,8 @@ def _irradiance(options: argparse.Namespace) -> None:
         return
     fit = light.fit
     print(f"degree {fit.degree} leaves {100 * fit.errors[fit.degree].worst:.2f} % at worst")
+    if light.negatives:
+        print(f"{light.negatives} negative value(s) were set to zero")
     print(light.caption)
 
 

@@ -42,6 +42,8 @@ class SkyLight:
     fit: Fit
     sun: Sun | None
     faces: NDArray[np.float64]
+    negatives: int = 0
+    """Count of the HDRI's negative values, which were set to zero."""
 
     @property
     def sun_share(self) -> float:
@@ -70,6 +72,7 @@ class SkyLight:
             "coefficients": self.fit.coefficients.tolist(),
             "errors": [asdict(error) for error in self.fit.errors],
             "upward": self.faces[0].tolist(),
+            "negatives": self.negatives,
             "caption": self.caption,
         } | (
             {}
@@ -97,4 +100,5 @@ def analyse(panorama: Panorama, degree: int | None = None) -> SkyLight:
         fit=fit_coefficients(sky, degree),
         sun=sun,
         faces=exact_irradiance(sky, FACES),
+        negatives=panorama.negatives,
     )

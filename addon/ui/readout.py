@@ -48,6 +48,9 @@ def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         paragraph(layout, context, sentence, "INFO")
     if found.get("sun", {}).get("clipped"):
         paragraph(layout, context, "the HDRI clipped the sun: it was brighter than that", "INFO")
+    if found.get("negatives"):
+        text = f"{found['negatives']} negative values of the HDRI count as zero"
+        paragraph(layout, context, text, "INFO")
     left = found["errors"][found["degree"]]
     paragraph(
         layout,
