@@ -274,7 +274,8 @@ def _apply(options: argparse.Namespace) -> None:
     if options.sky is not None:
         spectral.set_sky(scene, options.sky, settings)
     targets = {files.material(name): given for name, given in reflectances.items()}
-    light, results = spectral.make_spectral(scene.world, targets, settings)
+    world = spectral.develop(scene, settings)
+    light, results = spectral.make_spectral(world, targets, settings)
     files.save(options.out)
     for result in results:
         print(result.line)

@@ -62,13 +62,23 @@ class Result:
 
 
 def set_sky(scene: bpy.types.Scene, path: str | Path, settings: Settings) -> bpy.types.World:
-    """Light a scene by an HDRI file, its background developed where it is a camera's raw.
+    """Light a scene by an HDRI file, developed where it is a camera's raw.
 
     Raises InputError for a file that is no sky (the scene is untouched) and for wrong settings.
     """
     read_panorama(path)
+    settings.transfer()
+    worlds.set_sky(scene, path, raw=settings.camera is not None)
+    return develop(scene, settings)
+
+
+def develop(scene: bpy.types.Scene, settings: Settings) -> bpy.types.World:
+    """Return a scene's World; where its HDRI is a camera's raw, give it one that shows colours.
+
+    Raises InputError as `world.develop` does, and for an unknown camera.
+    """
     raw = settings.camera is not None
-    return worlds.set_sky(scene, path, settings.transfer().to_working if raw else None)
+    return worlds.develop(scene, settings.transfer().to_working if raw else np.eye(3))
 
 
 def make_spectral(

@@ -11,7 +11,7 @@ import numpy as np
 from ...node_groups import spectral_matrix
 from ...node_groups import tree as groups
 from ..errors import InputError
-from . import nodes
+from . import nodes, working_space
 
 CURE = "plug an equirectangular Environment Texture straight into the World's Background"
 
@@ -144,21 +144,39 @@ def pixels_of(image: bpy.types.Image) -> np.ndarray:
     return np.ascontiguousarray(pixels[:, :, :3])
 
 
-def set_sky(scene: bpy.types.Scene, path: str | Path, background_matrix=None) -> bpy.types.World:
+def set_sky(scene: bpy.types.Scene, path: str | Path, raw: bool = False) -> bpy.types.World:
     """Light a scene by an HDRI file and return its World.
 
     The scene's World is kept where its image is that file already. Otherwise the scene gets a new
-    one; the user's own is never edited. `background_matrix` (3, 3) takes a camera's raw RGB to the
-    working space for the visible background; None (or an identity) needs none. Raises InputError
-    if the file cannot be read as an image.
+    one; the user's own is never edited. A ``raw`` file's numbers are a camera's: Blender must not
+    convert them, so a newly loaded image is tagged Non-Color. Raises InputError if the file
+    cannot be read as an image.
     """
     path = Path(path).resolve()
-    world = scene.world if _shows(scene.world, path) else _new_world(scene, path)
-    matrix = np.eye(3) if background_matrix is None else np.asarray(background_matrix)
-    if _matrix_node(world) is not None or not np.allclose(matrix, np.eye(3), atol=1e-9):
-        world = _with_matrix(world, matrix)
-    scene.world = world
-    return world
+    scene.world = scene.world if _shows(scene.world, path) else _new_world(path, raw)
+    return scene.world
+
+
+def develop(scene: bpy.types.Scene, matrix) -> bpy.types.World:
+    """Show a camera's raw sky in the working space: RGB times ``matrix`` (3, 3) in the background.
+
+    The scene gets a copy of its World with that matrix, unless its World has one already; the
+    user's own is never edited, and an identity changes nothing. Raises InputError where `sky_of`
+    does, and for an image that Blender converts between colour spaces.
+    """
+    identity = np.allclose(matrix, np.eye(3), atol=1e-9)
+    if identity and _matrix_node(scene.world) is None:
+        return scene.world
+    image = sky_of(scene.world).image
+    tag = image.colorspace_settings
+    if not (identity or tag.is_data or tag.name == working_space.name()):
+        raise InputError(
+            f'image "{image.name}"',
+            f"a camera's raw numbers, but tagged {tag.name}",
+            "set its Color Space to Non-Color",
+        )
+    scene.world = _with_matrix(scene.world, matrix)
+    return scene.world
 
 
 def _shows(world: bpy.types.World | None, path: Path) -> bool:
@@ -170,11 +188,13 @@ def _shows(world: bpy.types.World | None, path: Path) -> bool:
     return image.source == "FILE" and bool(file) and Path(file).resolve() == path
 
 
-def _new_world(scene: bpy.types.Scene, path: Path) -> bpy.types.World:
+def _new_world(path: Path, raw: bool) -> bpy.types.World:
     try:
         image = bpy.data.images.load(str(path), check_existing=True)
     except RuntimeError as error:
         raise InputError(path, "cannot be read as an image", "give an .exr or .hdr sky") from error
+    if raw and image.users == 0:
+        image.colorspace_settings.name = "Non-Color"
     world = bpy.data.worlds.new("Skylight")
     nodes.use(world)
     tree = world.node_tree
@@ -190,8 +210,9 @@ def _new_world(scene: bpy.types.Scene, path: Path) -> bpy.types.World:
 
 def _matrix_node(world: bpy.types.World) -> bpy.types.Node | None:
     """The Spectral Matrix node that feeds a World's Background, None without."""
-    found = nodes.source(world.node_tree.nodes[sky_of(world).background].inputs["Color"])
-    return found.node if _is_spectral_matrix(found.node) else None
+    background = sky_of(world).background
+    found = nodes.source(world.node_tree.nodes[background].inputs["Color"])
+    return found.node if found is not None and _is_spectral_matrix(found.node) else None
 
 
 def _with_matrix(world: bpy.types.World, matrix) -> bpy.types.World:

@@ -49,7 +49,9 @@ class Apply(operator.Thin):
         for material, choice in chosen.items():
             reflectances[material], notes = _read(material, *choice)
             lines += [("INFO", f"{material.name}: {note}") for note in notes]
-        light, results = spectral.make_spectral(world, reflectances, properties.settings_of(world))
+        settings = properties.settings_of(world)
+        world = spectral.develop(context.scene, settings)
+        light, results = spectral.make_spectral(world, reflectances, settings)
         for material, (filepath, _, unit) in chosen.items():
             _keep(material.skylight, filepath, reflectances[material][0], unit)
         lines += [("WARNING" if r.out_of_gamut else "INFO", r.line) for r in results]

@@ -23,7 +23,8 @@ class SKYLIGHT_OT_update(operator.Thin, bpy.types.Operator):
 
         world = context.scene.world
         kept, lines = targets.editable(spectral.in_scene(context.scene))
-        light, results = spectral.update(world, properties.settings_of(world), kept)
+        settings = properties.settings_of(world)
+        light, results = spectral.update(spectral.develop(context.scene, settings), settings, kept)
         lines += [("WARNING", r.line) for r in results if r.out_of_gamut]
         count = f"{len(results)} material(s) follow {light.name}"
         return [*lines, ("INFO", count), ("INFO", light.caption)]

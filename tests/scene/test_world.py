@@ -222,23 +222,41 @@ def test_set_sky_keeps_a_world_that_has_it_and_edits_no_other(scene, tmp_path):
 
 def test_a_raw_sky_gets_its_matrix_in_a_world_of_its_own(scene, tmp_path):
     user = scene.world
-    world = worlds.set_sky(scene, tmp_path / "sky1.exr", RAW)
+    world = worlds.develop(scene, RAW)
     assert world != user and scene.world == world
     assert worlds.sky_of(world).image == worlds.sky_of(user).image
     assert "Spectral Matrix" not in user.node_tree.nodes
-    assert worlds.set_sky(scene, tmp_path / "sky1.exr", 2 * RAW) == world  # updated in place
+    assert worlds.develop(scene, 2 * RAW) == world  # updated in place
     held = spectral_matrix.get_matrix(world.node_tree.nodes["Spectral Matrix"])
     np.testing.assert_allclose(held, 2 * RAW, atol=1e-6)
-    assert worlds.set_sky(scene, tmp_path / "sky1.exr") == world  # not raw after all
+    assert worlds.develop(scene, np.eye(3)) == world  # not raw after all
     held = spectral_matrix.get_matrix(world.node_tree.nodes["Spectral Matrix"])
     np.testing.assert_array_equal(held, np.eye(3))
+
+
+def test_an_identity_needs_no_world_of_its_own(scene):
+    assert worlds.develop(scene, np.eye(3)) == scene.world
+    assert "Spectral Matrix" not in scene.world.node_tree.nodes
+
+
+def test_raw_numbers_must_not_be_converted(scene, tmp_path):
+    image = worlds.sky_of(scene.world).image
+    image.colorspace_settings.name = "ACEScg"
+    with pytest.raises(InputError, match="tagged ACEScg; set its Color Space to Non-Color"):
+        worlds.develop(scene, RAW)
+    image.colorspace_settings.name = "Non-Color"
+    worlds.develop(scene, RAW)
+    write_panorama(tmp_path / "raw.exr", faces.smooth_sky(3))
+    loaded = worlds.sky_of(worlds.set_sky(scene, tmp_path / "raw.exr", raw=True)).image
+    assert loaded.colorspace_settings.name == "Non-Color"
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ["eevee", "cycles"])
 def test_a_raw_sky_is_seen_developed(scene, tmp_path, engine):
     write_panorama(tmp_path / "even.exr", np.full((4, 8, 3), (0.5, 0.7, 0.6), np.float32))
-    worlds.set_sky(scene, tmp_path / "even.exr", RAW)
+    worlds.set_sky(scene, tmp_path / "even.exr", raw=True)
+    worlds.develop(scene, RAW)
     faces.watch(scene, (0.0, 0.0), 1.0)
     scene.render.resolution_x = scene.render.resolution_y = 4
     pixels = faces.picture(scene, tmp_path, engine)[..., :3]
