@@ -48,7 +48,7 @@ def sky_of(world: bpy.types.World | None) -> WorldSky:
         raise InputError(place, "uses no nodes, so no HDRI", CURE)
     output = tree.get_output_node("ALL")
     background = _expect(
-        place, output and output.inputs["Surface"], "BACKGROUND", "the World Output", "Background"
+        place, output and output.inputs["Surface"], "BACKGROUND", "the World Output", "a Background"
     )
     colour = nodes.source(background.inputs["Color"])
     if colour is not None and _is_spectral_matrix(colour.node):
@@ -56,7 +56,7 @@ def sky_of(world: bpy.types.World | None) -> WorldSky:
     else:
         background_colour = background.inputs["Color"]
     texture = _expect(
-        place, background_colour, "TEX_ENVIRONMENT", "the Background", "Environment Texture"
+        place, background_colour, "TEX_ENVIRONMENT", "the Background", "an Environment Texture"
     )
     if nodes.source(background.inputs["Strength"]) is not None:
         raise InputError(place, "the Background's Strength is linked", "set it as a value")
@@ -80,7 +80,7 @@ def _expect(place, socket, node_type: str, whose: str, wanted: str) -> bpy.types
     found = nodes.source(socket) if socket else None
     if found is None or found.node.type != node_type:
         what = f'the node "{found.node.name}"' if found else "nothing"
-        raise InputError(place, f"{whose} is fed by {what}, not by a {wanted} node", CURE)
+        raise InputError(place, f"{whose} is fed by {what}, not by {wanted}", CURE)
     return found.node
 
 

@@ -33,6 +33,7 @@ def dump(thing, depth=0):
         record["custom properties"] = {
             key: value.to_dict() if hasattr(value, "to_dict") else value
             for key, value in thing.items()
+            if key != "cycles"  # Blender 4.5 makes it when one looks for it
         }
     for prop in thing.bl_rna.properties:
         name = prop.identifier

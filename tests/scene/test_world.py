@@ -115,7 +115,7 @@ def no_coordinates(nodes):
 @pytest.mark.parametrize(
     ("spoil", "found"),
     [
-        (no_texture, "fed by nothing, not by a Environment Texture node"),
+        (no_texture, "fed by nothing, not by an Environment Texture"),
         (no_image, "has no image; open"),
         (no_surface, "the World Output is fed by nothing"),
         (mirror_ball, "mirror ball; use an equirectangular"),
