@@ -125,18 +125,20 @@ def is_managed(material: bpy.types.Material | None) -> bool:
 
 def managed_materials(world: bpy.types.World | None = None) -> list[bpy.types.Material]:
     """All managed materials of the file, or those under one World's sky."""
+    found = ((material, managed(material)) for material in bpy.data.materials)
     return [
         material
-        for material in bpy.data.materials
-        if is_managed(material) and (world is None or managed(material).world == world)
+        for material, given in found
+        if given is not None and (world is None or given.world == world)
     ]
 
 
 def managed(material: bpy.types.Material) -> Managed | None:
     """What a material was given, None if it is not managed."""
-    if not is_managed(material):
+    node = _surface_node(material)
+    if MANAGED not in material or node is None:
         return None
-    record, node = material[MANAGED].to_dict(), _surface_node(material)
+    record = material[MANAGED].to_dict()
     return Managed(
         reflectance_name=record["reflectance"],
         reflectance_hash=record["reflectance_hash"],

@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InputError
 from ..sky.light import SkyLight, analyse
 from ..sky.panorama import from_pixels, read_panorama
 from ..spectra.reflectance import reflectance_hash
@@ -150,6 +151,10 @@ def update(
     kept = {}
     for material in materials.managed_materials(world) if chosen is None else chosen:
         managed = materials.managed(material)
+        if managed is None:
+            raise InputError(
+                f'material "{material.name}"', "has no reflectance yet", "apply one first"
+            )
         kept[material] = (managed.reflectance_name, np.array(managed.extra["values"]))
     return make_spectral(world, kept, settings)
 

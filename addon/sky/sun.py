@@ -100,7 +100,7 @@ def _brightest_spot(
     rows, columns = np.nonzero(bright)
     spot = alias[labels[rows, columns]]
     light = luminance[rows, columns] * solid_angle[rows]
-    chosen = spot == np.bincount(spot, light).argmax()
+    chosen = spot == np.argmax(np.bincount(spot, light))
     towards = _towards(rows, columns, len(solid_angle))
     middle = _unit(light[chosen] @ towards[chosen])
     away = towards @ middle < np.cos(2.0 * _LARGEST)
