@@ -106,8 +106,15 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_matrix_options(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--basis", default="rayleigh", metavar="NAME", help="rayleigh or daylight")
-    parser.add_argument("--sun-elevation", type=float, metavar="DEG", help="noted with the result")
+    parser.add_argument(
+        "--basis",
+        default="rayleigh",
+        metavar="NAME",
+        help="rayleigh, daylight, atmosphere or 'measured FILE.csv'",
+    )
+    parser.add_argument(
+        "--sun-elevation", type=float, metavar="DEG", help="default: where the HDRI has it"
+    )
     parser.add_argument("--camera", metavar="NAME|FILE", help="what took a raw HDRI")
     parser.add_argument(
         "--white", type=_three, metavar="R,G,B", help="neutral light before white balance"
@@ -140,16 +147,25 @@ def _matrix(options: argparse.Namespace) -> None:
     from .transfer.matrices import transfer
     from .transfer.prediction import predict
 
-    mapping = transfer(
-        options.basis, camera=options.camera, white=options.white, space=options.space
-    )
     lights = None
+    elevation = options.sun_elevation
     if options.sky_rgb is not None:
         lights = np.array([options.sky_rgb])
     elif options.sky is not None:
-        lights = analyse(read_panorama(options.sky)).faces
+        light = analyse(read_panorama(options.sky))
+        lights = light.faces
         if options.camera is None:
             lights = lights @ rec709_to_working(options.space).T
+        if elevation is None and light.sun is not None:
+            elevation = light.sun.elevation
+    mapping = transfer(
+        options.basis,
+        camera=options.camera,
+        white=options.white,
+        space=options.space,
+        sun_elevation=elevation,
+        sky_rgb=lights,
+    )
     materials: list[dict[str, Any]] = []
     for file in options.files:
         read = read_reflectances(file, options.unit)
@@ -177,7 +193,7 @@ def _matrix(options: argparse.Namespace) -> None:
         "space": options.space,
         "camera": options.camera,
         "white": options.white,
-        "sun_elevation": options.sun_elevation,
+        "sun_elevation": elevation,
         "sky": options.sky,
         "sky_rgb": options.sky_rgb,
     }
@@ -200,8 +216,8 @@ def _matrix(options: argparse.Namespace) -> None:
 
 
 def _sky(options: argparse.Namespace) -> None:
-    from .sky.panorama import write_panorama, write_spectral
     from .sky.atmosphere import Atmosphere
+    from .sky.panorama import write_panorama, write_spectral
     from .sky.scattering import WHITE_LUMINANCE, clear_sky, sky_rgb
     from .spectra.grid import WAVELENGTHS
 

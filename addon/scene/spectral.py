@@ -34,10 +34,21 @@ class Settings:
     white: tuple[float, float, float] | None = None
     sun_elevation: float | None = None
 
-    def transfer(self) -> Transfer:
-        """Return the map from reflectances to matrices of the open file's working space."""
+    def transfer(self, light: SkyLight | None = None) -> Transfer:
+        """Return the map from reflectances to matrices of the open file's working space.
+
+        ``light``: the sky, whose sun and colour the basis may be chosen by.
+        """
+        elevation = self.sun_elevation
+        if elevation is None and light is not None and light.sun is not None:
+            elevation = light.sun.elevation
         return transfer(
-            self.basis, camera=self.camera, white=self.white, space=working_space.name()
+            self.basis,
+            camera=self.camera,
+            white=self.white,
+            space=working_space.name(),
+            sun_elevation=elevation,
+            sky_rgb=None if light is None else light.faces,
         )
 
 
@@ -78,8 +89,9 @@ def develop(scene: bpy.types.Scene, settings: Settings) -> bpy.types.World:
 
     Raises InputError as `world.develop` does, and for an unknown camera.
     """
-    raw = settings.camera is not None
-    return worlds.develop(scene, settings.transfer().to_working if raw else np.eye(3))
+    if settings.camera is None:
+        return worlds.develop(scene, np.eye(3))
+    return worlds.develop(scene, settings.transfer(_analyse(scene.world)).to_working)
 
 
 def make_spectral(
@@ -93,10 +105,10 @@ def make_spectral(
     `world.sky_of`, `world.pixels_of`, `sky.panorama.from_pixels`, `materials.apply` and
     `Settings.transfer` do.
     """
-    mapping = settings.transfer()
     for material in reflectances:
         materials.check_editable(material)
     light = _analyse(world)
+    mapping = settings.transfer(light)
     values = np.stack([rho for _, rho in reflectances.values()]) if reflectances else _NONE
     prediction = predict(mapping, values, light.faces)
     world_settings.store(world, _plain(settings))

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from ..errors import InputError
+from .ensemble import shipped
 from .grid import WAVELENGTHS, resample
+from .light import read_light
+from .sensitivities import observer
 from .sunlight import extraterrestrial_sunlight
 
 REFERENCE_WAVELENGTH = 550.0
@@ -35,5 +41,87 @@ def daylight() -> NDArray[np.float64]:
     return np.stack([resample(function.wavelengths, function.values) for function in functions])
 
 
-BASES: dict[str, Callable[[], NDArray[np.float64]]] = {"rayleigh": rayleigh, "daylight": daylight}
-"""The bases by the name that users choose them with."""
+def measured(path: str | Path) -> NDArray[np.float64]:
+    """Return the three principal components of the spectra in a CSV file, (3, 81), relative.
+
+    Each spectrum counts alike, whatever its size; no mean is taken off, so that the basis holds
+    their mean too. S. Tominaga's way with skies. It fits its own site: elsewhere check it with the
+    command `evaluate`. Raises `InputError` as `read_light` does, and for fewer than three
+    spectra that differ.
+    """
+    spectra = read_light(path).values
+    _, sizes, components = np.linalg.svd(spectra, full_matrices=False)
+    # Copies of one spectrum leave rounding alone for the further components.
+    if sizes.size < 3 or sizes[2] < 1e-6 * sizes[0]:
+        raise InputError(
+            path, "holds fewer than three spectra that differ", "give spectra of various skies"
+        )
+    return components[:3]
+
+
+def atmosphere(
+    S_in: NDArray[np.float64] | None = None,
+    *,
+    sun_elevation: float | None = None,
+    sky_rgb: ArrayLike | None = None,
+) -> NDArray[np.float64]:
+    """Return the basis that fits our simulated skies best, (3, 81), for this sun or this colour.
+
+    The Wiener estimate of `spectra.ensemble`. With the sun's elevation [degrees] it alone decides;
+    without, skies by day are expected, of the colours ``sky_rgb`` (3,) or (k, 3) where they are
+    given, and the basis leans towards `rayleigh`: between clear sky, cloud and sun it is a guess.
+    ``S_in`` (3, 81) is what made the HDRI's numbers and those of ``sky_rgb``, the standard
+    observer in Linear Rec.709 where None; unlike the other bases this one depends on it.
+    Raises `InputError` for an elevation that is none.
+    """
+    if S_in is None:
+        S_in = observer()
+    if sun_elevation is not None:
+        if not -90.0 <= sun_elevation <= 90.0:
+            raise InputError("--sun-elevation", f"{sun_elevation:g}°", "give -90 to 90 degrees")
+        return shipped().restoration(S_in, sun_elevation).T
+    paper = restoration(rayleigh(), S_in)
+    expected = shipped().restoration(S_in, colours=sky_rgb)
+    return (expected + _LEAN * (paper - expected)).T
+
+
+def restoration(B: NDArray[np.float64], S_in: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return ``B^T A^-1`` (n, 3) for a basis B (3, n) and sensitivities S_in (3, n)."""
+    # Rows of one length: the result depends on the span of B alone, its rounding on the lengths.
+    B = B / np.linalg.norm(B, axis=1, keepdims=True)
+    A = S_in @ B.T
+    return np.linalg.solve(A.T, B).T
+
+
+_LEAN = 0.3
+"""How much of the paper's basis is in `atmosphere` where no elevation is known."""
+
+BASES: dict[str, Callable[[], NDArray[np.float64]]] = {
+    "rayleigh": rayleigh,
+    "daylight": daylight,
+    "atmosphere": atmosphere,
+}
+"""The bases by the name that users choose them with; `measured FILE` is one more."""
+
+
+def basis(
+    name: str,
+    S_in: NDArray[np.float64],
+    *,
+    sun_elevation: float | None = None,
+    sky_rgb: ArrayLike | None = None,
+) -> NDArray[np.float64]:
+    """Return a basis (3, 81) by its name: one of `BASES`, or ``measured FILE.csv``.
+
+    The further arguments are those of `atmosphere`, the only one that they change. Raises
+    `InputError` for any other name, and as `measured` and `atmosphere` do.
+    """
+    if name == "atmosphere":
+        return atmosphere(S_in, sun_elevation=sun_elevation, sky_rgb=sky_rgb)
+    if name in BASES:
+        return BASES[name]()
+    if found := re.fullmatch(r"measured[ :=]\s*(.+)", name):
+        return measured(found[1])
+    raise InputError(
+        "--basis", f"'{name}' is no basis", f"choose {', '.join(BASES)} or 'measured FILE.csv'"
+    )

@@ -75,13 +75,15 @@ def transfer(
     camera: str | None = None,
     white: ArrayLike | None = None,
     space: str = DEFAULT_SPACE,
+    sun_elevation: float | None = None,
+    sky_rgb: ArrayLike | None = None,
 ) -> Transfer:
     """Prepare the map from reflectances to matrices.
 
     Parameters
     ----------
     basis
-        A name from `bases.BASES`.
+        A name that `bases.basis` understands.
     camera
         The camera whose raw numbers the HDRI holds, as `sensitivities.camera` understands it;
         None for a colorimetric HDRI, read into the working space.
@@ -89,38 +91,38 @@ def transfer(
         RGB of neutral light in the HDRI before it was white-balanced, (3,), above 0.
     space
         Working space of the scene: a name from `WORKING_SPACES`.
+    sun_elevation
+        [degrees] of the sun over the horizon; `atmosphere` alone makes use of it.
+    sky_rgb
+        The sky's light as the HDRI's numbers have it, (3,) or (k, 3); `atmosphere` makes use of
+        it where the elevation is not known.
 
     Raises
     ------
     InputError
         An unknown basis, camera or space; a white that is not three positive numbers.
     """
-    if basis not in bases.BASES:
-        raise InputError("--basis", f"'{basis}' is no basis", f"choose {', '.join(bases.BASES)}")
     S_out = sensitivities.observer(space)
     S_in = S_out if camera is None else sensitivities.camera(camera)
-    B = bases.BASES[basis]()
+    white = None if white is None else check_white(white)
+    if sky_rgb is not None and white is not None:
+        sky_rgb = np.asarray(sky_rgb, dtype=float) * white
+    B = bases.basis(basis, S_in, sun_elevation=sun_elevation, sky_rgb=sky_rgb)
     return Transfer(
         S_in=S_in,
         S_out=S_out,
-        restoration=restoration(B, S_in),
-        white=None if white is None else check_white(white),
+        restoration=bases.restoration(B, S_in),
+        white=white,
         basis=basis,
         space=space,
     )
-
-
-def restoration(B: NDArray[np.float64], S_in: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return ``B^T A^-1`` (n, 3) for a basis B (3, n) and sensitivities S_in (3, n)."""
-    # Rows of one length: the result depends on the span of B alone, its rounding on the lengths.
-    B = B / np.linalg.norm(B, axis=1, keepdims=True)
-    A = S_in @ B.T
-    return np.linalg.solve(A.T, B).T
 
 
 def check_white(white: ArrayLike) -> NDArray[np.float64]:
     """Return ``white`` as three positive floats (3,); `InputError` for anything else."""
     values = np.asarray(white, dtype=float)
     if values.shape != (3,) or not np.all(np.isfinite(values) & (values > 0)):
-        raise InputError("--white", f"{values.tolist()} is no colour", "give three numbers above 0: R,G,B")
+        raise InputError(
+            "--white", f"{values.tolist()} is no colour", "give three numbers above 0: R,G,B"
+        )
     return values

@@ -19,7 +19,7 @@ from ..spectra import bases
 from ..spectra.grid import resample
 from ..spectra.sensitivities import observer
 from ..spectra.working_spaces import DEFAULT_SPACE
-from .matrices import Transfer, restoration
+from .matrices import Transfer
 from .measures import delta_E
 
 
@@ -87,7 +87,7 @@ def _reflected(
 def _other_model(transfer: Transfer) -> Transfer:
     other = "daylight" if transfer.basis != "daylight" else "rayleigh"
     return replace(
-        transfer, basis=other, restoration=restoration(bases.BASES[other](), transfer.S_in)
+        transfer, basis=other, restoration=bases.restoration(bases.BASES[other](), transfer.S_in)
     )
 
 

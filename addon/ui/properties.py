@@ -15,6 +15,7 @@ UNITS = (
 BASES = (
     ("rayleigh", "Rayleigh", "Sunlight scattered by air never, once and twice: clear skies"),
     ("daylight", "CIE Daylight", "The CIE daylight functions: measured days, also overcast"),
+    ("atmosphere", "Atmosphere", "Simulated light of all kinds at this sun's elevation: low suns"),
 )
 
 

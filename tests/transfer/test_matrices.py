@@ -15,7 +15,7 @@ from spectral_skylight.addon.spectra.grid import WAVELENGTHS, resample
 from spectral_skylight.addon.spectra.reflectance import read_reflectances
 from spectral_skylight.addon.spectra.table import read_table
 from spectral_skylight.addon.spectra.working_spaces import WORKING_SPACES, rec709_to_working
-from spectral_skylight.addon.transfer.matrices import restoration, transfer
+from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.addon.transfer.prediction import predict, rgb_albedo
 
@@ -64,7 +64,7 @@ def test_depends_on_the_span_of_the_basis_alone(mix, scale):
     if np.linalg.cond(mix) > 10:
         return
     t = transfer()
-    mixed = replace(t, restoration=restoration(scale * mix @ bases.rayleigh(), t.S_in))
+    mixed = replace(t, restoration=bases.restoration(scale * mix @ bases.rayleigh(), t.S_in))
     rho = np.linspace(0.0, 1.0, 81)
     np.testing.assert_allclose(mixed.matrices(rho), t.matrices(rho), atol=50 * IDENTITY)
 

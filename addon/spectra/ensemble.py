@@ -1,0 +1,141 @@
+"""The light that is to be expected outdoors: many simulated spectra, and the basis they make.
+
+Where light is known by three numbers ``rgb = S_in s`` alone, the spectrum to expect is the Wiener
+estimate ``C S_in^T (S_in C S_in^T)^-1 rgb`` with the second moment ``C`` of the spectra that can
+be (N. Wiener 1949; for colours H. Haneishi et al. 2000, DOI 10.1364/AO.39.006621). So three
+functions ``S_in C`` are the best basis for them. Which spectra can be depends on the sun's
+elevation, or, where that is not known, on the colour of the light: members of the ensemble count
+by how near they are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from .grid import WEIGHTS
+from .sensitivities import cmfs
+
+TABLE = Path(__file__).with_name("ensemble.npz")
+"""What `sky.daylight_ensemble` wrote."""
+
+_NEAR_ELEVATION = 2.0, 0.15
+"""Standard deviation [degrees] of the elevations that count, and its growth with elevation: the
+air a sunbeam crosses changes ever more slowly. Two degrees also hold refraction and a date or place
+known roughly."""
+
+_NEAR_COLOUR = 0.02
+"""Standard deviation of the colours that count, in CIE 1976 u'v'."""
+
+_DAY = 8.0, 3.0, 0.02
+"""Elevation [degrees] over which skies are expected when none is told, how softly that begins,
+and what is left for lower suns. Three numbers do not tell a twilight's ozone; guessed by day, it
+costs."""
+
+_FLOOR = 1e-3
+"""Weight of members of any other colour: where no member is near, all count."""
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """Spectra of light, each over its own luminance, as sums of a few components.
+
+    ``components`` (c, 81), ``scores`` (m, c), ``elevations`` of the sun (m,) [degrees], ``kinds``
+    (m,): places in `sky.daylight_ensemble.KINDS`.
+    """
+
+    components: NDArray[np.float32]
+    scores: NDArray[np.float32]
+    elevations: NDArray[np.float32]
+    kinds: NDArray[np.uint8]
+
+    @classmethod
+    def compressed(
+        cls, spectra: NDArray, elevations: NDArray, kinds: NDArray, count: int
+    ) -> Ensemble:
+        """Keep of ``spectra`` (m, 81) the ``count`` components that hold most of them."""
+        components = np.linalg.svd(spectra.T @ spectra)[0].T[:count]
+        return cls(
+            components.astype(np.float32),
+            (spectra @ components.T).astype(np.float32),
+            np.asarray(elevations, np.float32),
+            np.asarray(kinds, np.uint8),
+        )
+
+    def save(self, path: Path) -> None:
+        """Write all arrays to one file."""
+        np.savez_compressed(path, **vars(self))
+
+    @property
+    def spectra(self) -> NDArray[np.float64]:
+        """All members on the grid, (m, 81)."""
+        return self.scores.astype(float) @ self.components
+
+    def restoration(
+        self,
+        S_in: NDArray[np.float64],
+        sun_elevation: float | None = None,
+        colours: ArrayLike | None = None,
+    ) -> NDArray[np.float64]:
+        """Return the Wiener estimate (81, 3): ``restoration @ rgb`` is the spectrum to expect.
+
+        Parameters
+        ----------
+        S_in
+            What makes the three numbers, (3, 81), quadrature weights included.
+        sun_elevation
+            [degrees]. Beyond the ensemble's own elevations the nearest counts. None: by day.
+        colours
+            The light's own colours as S_in sees them, (3,) or (k, 3), where the elevation is
+            not known; each counts as much as it is bright. Without luminance they are left out.
+        """
+        elevations = self.elevations.astype(float)
+        nodes, place, count = np.unique(elevations, return_inverse=True, return_counts=True)
+        weights = (np.gradient(nodes) / count)[place]
+        if sun_elevation is not None:
+            sun_elevation = float(np.clip(sun_elevation, nodes[0], nodes[-1]))
+            width = np.hypot(_NEAR_ELEVATION[0], _NEAR_ELEVATION[1] * max(sun_elevation, 0.0))
+            weights *= np.exp(-0.5 * ((elevations - sun_elevation) / width) ** 2)
+            return self._wiener(S_in, weights)
+        start, softness, rest = _DAY
+        weights *= rest + (1.0 - rest) / (1.0 + np.exp((start - elevations) / softness))
+        # Over a year and the earth the sun stands high the more rarely, the higher it stands.
+        weights *= np.cos(np.radians(np.maximum(elevations, 0.0)))
+        expected = self._wiener(S_in, weights)
+        if colours is None:
+            return expected
+        XYZ = np.atleast_2d(colours) @ (cmfs() * WEIGHTS @ expected).T
+        XYZ = XYZ[(XYZ > 0).all(axis=1)]
+        if not len(XYZ):
+            return expected
+        own = _uv(self.spectra @ (cmfs() * WEIGHTS).T)
+        distance = np.sum((own - _uv(XYZ)[:, None]) ** 2, axis=-1)
+        near = XYZ[:, 1] / XYZ[:, 1].sum() @ np.exp(-0.5 * distance / _NEAR_COLOUR**2)
+        return self._wiener(S_in, weights * (near + _FLOOR))
+
+    def _wiener(self, S_in: NDArray, weights: NDArray) -> NDArray[np.float64]:
+        scores = self.scores.astype(float)
+        moment = (scores * (weights / weights.sum())[:, None]).T @ scores
+        cross = self.components.T @ (moment @ (self.components @ S_in.T))
+        return np.linalg.solve((S_in @ cross).T, cross.T).T
+
+
+@cache
+def shipped() -> Ensemble:
+    """Return the ensemble that ships. Raises `InputError` where its file is missing."""
+    try:
+        with np.load(TABLE) as table:
+            return Ensemble(**table)
+    except OSError as error:
+        raise InputError(TABLE, f"cannot be read ({error})", "install the add-on again") from error
+
+
+def _uv(XYZ: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return CIE 1976 u'v' (..., 2)."""
+    X, Y, Z = np.moveaxis(XYZ, -1, 0)
+    return np.stack([4.0 * X, 9.0 * Y], axis=-1) / (X + 15.0 * Y + 3.0 * Z)[..., None]
