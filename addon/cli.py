@@ -62,13 +62,7 @@ def _parser() -> argparse.ArgumentParser:
     matrix.set_defaults(run=_matrix)
 
     sky = commands.add_parser("sky", help="a clear sky as a lat-long HDRI")
-    sky.add_argument("--sun-elevation", type=float, required=True, metavar="DEG", help="-6 to 90")
-    sky.add_argument("--sun-azimuth", type=float, default=180.0, metavar="DEG", help="from north")
-    sky.add_argument("--sun-disc", action="store_true", help="with the sun itself in the picture")
-    sky.add_argument("--haze", type=float, default=0.05, help="aerosol optical depth at 550 nm")
-    sky.add_argument("--width", type=int, default=1024, help="pixels; the height is half of it")
-    sky.add_argument("--out", metavar="SKY.exr", help="linear Rec.709; 1 is 10,000 cd/m²")
-    sky.add_argument("--spectral", metavar="SPECTRAL.exr", help="W m⁻² sr⁻¹ nm⁻¹, 81 channels")
+    _add_sky_options(sky)
     sky.set_defaults(run=_sky)
 
     irradiance = commands.add_parser("irradiance", help="irradiance of an HDRI, without its sun")
@@ -96,6 +90,10 @@ def _parser() -> argparse.ArgumentParser:
     apply.add_argument("--out", required=True, metavar="OUT.blend")
     apply.set_defaults(run=_apply)
 
+    evaluate = commands.add_parser("evaluate", help="errors over a day, or under measured light")
+    _add_evaluate_options(evaluate)
+    evaluate.set_defaults(run=_evaluate)
+
     render = commands.add_parser("render", help="an EXR and a PNG of a .blend, without a window")
     render.add_argument("scene", metavar="SCENE.blend")
     render.add_argument("--out", required=True, metavar="FILE.exr")
@@ -103,6 +101,66 @@ def _parser() -> argparse.ArgumentParser:
     render.add_argument("--engine", choices=("eevee", "cycles"), help="default: the scene's")
     render.set_defaults(run=_render)
     return parser
+
+
+def _add_sky_options(sky: argparse.ArgumentParser) -> None:
+    sky.add_argument("--sun-elevation", type=float, metavar="DEG", help="-6 to 90")
+    sky.add_argument("--sun-azimuth", type=float, metavar="DEG", help="from north; default 180")
+    sky.add_argument("--date", metavar="YYYY-MM-DD", help="place the sun by date, time and place")
+    sky.add_argument("--time", default="12:00", metavar="HH:MM", help="default: noon")
+    sky.add_argument("--latitude", type=float, metavar="DEG", help="north positive")
+    sky.add_argument("--longitude", type=float, metavar="DEG", help="east positive")
+    sky.add_argument(
+        "--timezone", default="UTC", metavar="ZONE", help="Europe/Berlin, or hours east: +2"
+    )
+    sky.add_argument("--sun-disc", action="store_true", help="with the sun itself in the picture")
+    haze = sky.add_mutually_exclusive_group()
+    haze.add_argument("--haze", type=float, help="aerosol optical depth at 550 nm; default 0.05")
+    haze.add_argument(
+        "--turbidity", type=float, metavar="B", help="Ångström's: the same at 1000 nm"
+    )
+    sky.add_argument("--angstrom", type=float, default=1.3, help="Ångström's exponent of the haze")
+    sky.add_argument("--ozone", type=float, default=300.0, metavar="DU", help="Dobson units")
+    sky.add_argument("--water", type=float, default=14.0, metavar="MM", help="precipitable")
+    sky.add_argument(
+        "--ground", default="0.2", metavar="R|FILE.csv[:COLUMN]", help="reflectance of the ground"
+    )
+    sky.add_argument(
+        "--paper", action="store_true", help="the paper's air: λ⁻⁴ alone, nothing absorbs"
+    )
+    sky.add_argument("--orders", default="all", metavar="N|all", help="scatterings to count")
+    sky.add_argument("--quality", choices=("preview", "reference"), default="preview")
+    sky.add_argument("--seed", type=int, default=0, help="of the photons' chances")
+    sky.add_argument("--width", type=int, default=1024, help="pixels; the height is half of it")
+    sky.add_argument("--out", metavar="SKY.exr", help="linear Rec.709; 1 is 10,000 cd/m²")
+    sky.add_argument("--spectral", metavar="SPECTRAL.exr", help="W m⁻² sr⁻¹ nm⁻¹, 81 channels")
+
+
+def _add_evaluate_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--out", required=True, metavar="DIR", help="figures and tables go here")
+    parser.add_argument(
+        "--daylight", metavar="FILE.csv", help="spectra of light, instead of a simulated day"
+    )
+    parser.add_argument(
+        "--sun-elevation",
+        type=_numbers,
+        metavar="DEG[,DEG…]",
+        help="of the measured light, one for all spectra or one for each",
+    )
+    parser.add_argument("--camera", metavar="NAME|FILE", help="what sees the measured light")
+    parser.add_argument(
+        "--reflectances", nargs="+", metavar="FILE.csv", help="default: the ColorChecker"
+    )
+    parser.add_argument("--unit", choices=("percent", "fraction"), help="of the reflectances")
+    parser.add_argument(
+        "--basis", nargs="+", metavar="NAME", help="default: rayleigh daylight atmosphere"
+    )
+    parser.add_argument("--date", default="2025-03-20", metavar="YYYY-MM-DD")
+    parser.add_argument("--latitude", type=float, default=35.68, metavar="DEG", help="of the day")
+    parser.add_argument("--longitude", type=float, default=139.77, metavar="DEG")
+    parser.add_argument("--timezone", default="+9", metavar="ZONE", help="default: Tokyo's")
+    parser.add_argument("--step", type=int, default=30, metavar="MINUTES", help="between skies")
+    parser.add_argument("--json", action="store_true", help="print the summary as JSON")
 
 
 def _add_matrix_options(parser: argparse.ArgumentParser) -> None:
@@ -128,6 +186,13 @@ def _three(text: str) -> tuple[float, float, float]:
     except ValueError:
         raise argparse.ArgumentTypeError(f"'{text}' is not three numbers R,G,B") from None
     return r, g, b
+
+
+def _numbers(text: str) -> list[float]:
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is not DEG or DEG,DEG,…") from None
 
 
 def _assignment(text: str) -> tuple[str, str]:
@@ -216,30 +281,86 @@ def _matrix(options: argparse.Namespace) -> None:
 
 
 def _sky(options: argparse.Namespace) -> None:
-    from .sky.atmosphere import Atmosphere
+    from .sky.clear_sky import SCALE, WHITE_LUMINANCE, picture
     from .sky.panorama import write_panorama, write_spectral
-    from .sky.scattering import WHITE_LUMINANCE, clear_sky, sky_rgb
+    from .sky.simulation import simulate
     from .spectra.grid import WAVELENGTHS
+    from .spectra.sensitivities import observer
 
     if not (options.out or options.spectral):
         raise InputError("sky", "nowhere to write to", "give --out SKY.exr or --spectral FILE.exr")
-    settings: dict[str, Any] = {
-        "sun_azimuth": options.sun_azimuth,
-        "sun_disc": options.sun_disc,
-        "atmosphere": Atmosphere(haze=options.haze),
-    }
-    height = options.width // 2
+    if not 8 <= options.width <= 8192:
+        raise InputError("--width", f"{options.width} pixels", "give 8 to 8192")
+    elevation, azimuth = _sun(options)
+    orders = options.orders
+    if orders != "all" and not orders.isdecimal():
+        raise InputError("--orders", f"'{orders}'", "give 1, 2, … or all")
+    sky = simulate(
+        elevation,
+        _atmosphere(options),
+        orders=None if orders == "all" else int(orders),
+        quality=options.quality,
+        seed=options.seed,
+        progress=sys.stderr.isatty(),
+    )
+    view = options.width // 2, azimuth, options.sun_disc
     if options.out:
-        rgb = sky_rgb(options.sun_elevation, height, **settings)
         attributes = {
             "whiteLuminance": WHITE_LUMINANCE,
-            "comments": f"clear sky, sun elevation {options.sun_elevation:g} degrees",
+            "comments": f"clear sky, sun elevation {elevation:.4g}, azimuth {azimuth:.4g} degrees",
         }
-        write_panorama(options.out, rgb, attributes)
+        write_panorama(options.out, picture(sky, *view, observer() * SCALE), attributes)
     if options.spectral:
-        write_spectral(
-            options.spectral, clear_sky(options.sun_elevation, height, **settings), WAVELENGTHS
-        )
+        write_spectral(options.spectral, picture(sky, *view), WAVELENGTHS)
+    error = (sky.irradiance_error() / sky.irradiance()).max()
+    print(
+        f"sun at {elevation:.2f}°, azimuth {azimuth:.2f}°; "
+        f"standard error of the irradiance at most {100 * error:.2f} % at any wavelength"
+    )
+
+
+def _sun(options: argparse.Namespace) -> tuple[float, float]:
+    """Return where the sun stands: given, or by date and place."""
+    given = options.sun_elevation is not None
+    if given == (options.date is not None):
+        cure = "give either --sun-elevation or --date with --latitude and --longitude"
+        raise InputError("sky", "where is the sun?", cure)
+    if given:
+        return options.sun_elevation, 180.0 if options.sun_azimuth is None else options.sun_azimuth
+    from .sky.sun_position import sun_position
+
+    if options.latitude is None or options.longitude is None:
+        raise InputError("--date", "no place", "give --latitude and --longitude too")
+    elevation, azimuth = sun_position(
+        options.date, options.time, options.latitude, options.longitude, options.timezone
+    )
+    return elevation, azimuth if options.sun_azimuth is None else options.sun_azimuth
+
+
+def _atmosphere(options: argparse.Namespace) -> Any:
+    """Return the air over the ground that the options describe."""
+    from dataclasses import replace
+
+    from .sky.atmosphere import Atmosphere
+    from .sky.simulation import PAPER
+    from .spectra.reflectance import read_assigned
+
+    try:
+        ground = float(options.ground)
+    except ValueError:
+        _, ground = read_assigned(options.ground)
+    if options.paper:
+        return replace(PAPER, ground=ground)
+    haze = 0.05 if options.haze is None else options.haze
+    if options.turbidity is not None:
+        haze = options.turbidity * 0.55**-options.angstrom
+    return Atmosphere(
+        haze=haze,
+        angstrom=options.angstrom,
+        ozone=options.ozone,
+        water=options.water,
+        ground=ground,
+    )
 
 
 def _irradiance(options: argparse.Namespace) -> None:
@@ -296,6 +417,58 @@ def _apply(options: argparse.Namespace) -> None:
     for result in results:
         print(result.line)
     print(light.caption)
+
+
+def _evaluate(options: argparse.Namespace) -> None:
+    from pathlib import Path
+
+    import numpy as np
+
+    from .spectra.light import read_light
+    from .spectra.reflectance import read_reflectances
+    from .transfer.evaluation import colorchecker
+    from .transfer.report import report_day, report_light
+
+    bases = options.basis or ["rayleigh", "daylight", "atmosphere"]
+    names, values = colorchecker()
+    if options.reflectances:
+        read = [read_reflectances(file, options.unit) for file in options.reflectances]
+        names = tuple(name for one in read for name in one.names)
+        values = np.concatenate([one.values for one in read])
+    if options.daylight:
+        result = report_light(
+            Path(options.out),
+            read_light(options.daylight),
+            values,
+            bases,
+            sun_elevation=options.sun_elevation,
+            camera=options.camera,
+        )
+        groups = {options.daylight: result["methods"]}
+    else:
+        place = (options.date, options.latitude, options.longitude, options.timezone)
+        result = report_day(
+            Path(options.out),
+            place,
+            (names, values),
+            bases,
+            step=options.step,
+            progress=sys.stderr.isatty(),
+        )
+        groups = {air: sky["methods"] for air, sky in result["skies"].items()}
+    if options.json:
+        print(json.dumps(result, indent=1, allow_nan=False))
+        return
+    for title, methods in groups.items():
+        print(f"{title:34} CIEDE2000  mean    p95     max   relative  mean    p95     max")
+        for method in methods:
+            numbers = [
+                " ".join(f"{method[measure][key]:7.{digits}f}" for key in ("mean", "p95", "max"))
+                for measure, digits in (("delta_E", 3), ("relative_error", 4))
+            ]
+            print(f"  {method['method']:38} {numbers[0]}           {numbers[1]}")
+    for path in result["files"]:
+        print(path)
 
 
 def _render(options: argparse.Namespace) -> None:

@@ -78,7 +78,8 @@ class MainJob:
         if self.simulated:
             height = 256
             command(
-                "sky", "--sun-elevation", SUN_ELEVATION, "--width", 4 * height, "--out", self.sky
+                *("sky", "--sun-elevation", SUN_ELEVATION, "--orders", 1),
+                *("--width", 4 * height, "--out", self.sky),
             )
         self.light: SkyLight = analyse(read_panorama(self.sky))
         self.exposure = pictures.exposure(self.light.faces)
@@ -152,9 +153,9 @@ class MainJob:
         self.references = {}
         if not self.simulated:
             return
-        from spectral_skylight.addon.sky.scattering import clear_sky
+        from spectral_skylight.addon.sky.clear_sky import clear_sky
 
-        sky = clear_sky(SUN_ELEVATION, 128)
+        sky = clear_sky(SUN_ELEVATION, 128, orders=1)
         for name, camera in SCENES.items():
             rows = [self.index(reflectance) for reflectance in self.assigned[name].values()]
             image, white = reference.picture(

@@ -24,6 +24,17 @@ def pytest_unconfigure():
         os._exit(_exit_status)
 
 
+@pytest.fixture(scope="session", autouse=True)
+def cache_of_its_own(tmp_path_factory):
+    """Keep simulated skies for this run only: neither the user's old ones nor new ones for them."""
+    before = os.environ.get("SPECTRAL_SKYLIGHT_CACHE")
+    os.environ["SPECTRAL_SKYLIGHT_CACHE"] = str(tmp_path_factory.mktemp("cache"))
+    yield
+    os.environ.pop("SPECTRAL_SKYLIGHT_CACHE")
+    if before is not None:
+        os.environ["SPECTRAL_SKYLIGHT_CACHE"] = before
+
+
 @pytest.fixture(scope="session")
 def shared_data() -> Path:
     """The measured skies, reflectances and cameras beside the repository; skips without them."""

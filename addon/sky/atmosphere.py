@@ -129,7 +129,7 @@ def rayleigh_optical_depth(dispersion: bool = True) -> NDArray[np.float64]:
     0.01 % over the grid. Without ``dispersion``: λ^-4 through its value at 550 nm.
     """
     if not dispersion:
-        return 0.097240 * (550.0 / WAVELENGTHS) ** 4
+        return 0.097065 * (550.0 / WAVELENGTHS) ** 4
     square = (WAVELENGTHS / 1000.0) ** 2
     return (
         0.0021520

@@ -96,10 +96,11 @@ def band_depth(columns: ArrayLike) -> NDArray[np.float64]:
     those of the whole way from the sun to the eye. Returns (..., b).
     """
     columns = np.asarray(columns, dtype=float)
-    _, (water, oxygen) = band_absorption()
-    water = water * columns[..., :1]
-    oxygen = oxygen * columns[..., 1:]
-    return (
-        0.2385 * water / (1.0 + 20.07 * water) ** 0.45
-        + 1.41 * oxygen / (1.0 + 118.3 * oxygen) ** 0.45
-    )
+    where, strengths = band_absorption()
+    depth = np.zeros((*columns.shape[:-1], where.size))
+    laws = ((0.2385, 20.07), (1.41, 118.3))
+    for kind, (strength, (c, d)) in enumerate(zip(strengths, laws, strict=True)):
+        at = strength > 0
+        product = columns[..., kind, None] * strength[at]
+        depth[..., at] += c * product * (1.0 + d * product) ** -0.45
+    return depth

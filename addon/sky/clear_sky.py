@@ -1,0 +1,129 @@
+"""Pictures of a simulated clear sky, lat-long, over the whole spectrum or in RGB.
+
+The upper half is `simulation.simulate`'s; the lower half is level ground, lit by sun and sky.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..spectra.sensitivities import observer
+from .scattering import direction
+from .simulation import SimulatedSky, simulate
+
+SUN_ANGULAR_RADIUS = 0.2665
+"""[degrees] at one astronomical unit."""
+
+WHITE_LUMINANCE = 1.0e4
+"""[cd/m^2] that RGB (1, 1, 1) of `sky_rgb` stands for: by day a white wall is then near 1."""
+
+LUMINOUS_EFFICACY = 683.002
+"""[lm/W] at 555 nm, CIE 018:2019."""
+
+SCALE = LUMINOUS_EFFICACY / WHITE_LUMINANCE
+"""What `observer` times radiance is multiplied by to be such RGB."""
+
+
+def clear_sky(
+    sun_elevation: float,
+    height: int = 256,
+    *,
+    sun_azimuth: float = 180.0,
+    sun_disc: bool = False,
+    sensitivities: NDArray[np.float64] | None = None,
+    **settings: Any,
+) -> NDArray[np.float32]:
+    """Return a clear sky as spectral radiance, lat-long, (height, 2 height, 81).
+
+    [W m^-2 sr^-1 nm^-1], or seen by ``sensitivities``. Row 0 is at the zenith; directions are
+    Blender's, z up and y north.
+
+    Parameters
+    ----------
+    sun_elevation
+        [degrees], -6 to 90. Under the horizon the sky is lit by what clears the earth's shadow.
+    height
+        Rows, 4 to 4096.
+    sun_azimuth
+        [degrees], clockwise from north (+y).
+    sun_disc
+        Whether the sun itself is in the picture, its disc spread over the pixels it touches so
+        that its irradiance is exact.
+    sensitivities
+        (k, 81) with quadrature weights, such as `observer`: the result is (height, 2 height, k).
+    settings
+        Of `simulate`: atmosphere, orders, quality, seed, progress, cached.
+
+    Raises
+    ------
+    InputError
+        A height out of range, and as `simulate`.
+    """
+    if not 4 <= height <= 4096:
+        raise InputError("--width", f"{2 * height} pixels", "give 8 to 8192")
+    sky = simulate(sun_elevation, **settings)
+    return picture(sky, height, sun_azimuth, sun_disc, sensitivities)
+
+
+def picture(
+    sky: SimulatedSky,
+    height: int,
+    sun_azimuth: float = 180.0,
+    sun_disc: bool = False,
+    sensitivities: NDArray[np.float64] | None = None,
+) -> NDArray[np.float32]:
+    """Return a simulated sky as a picture: see `clear_sky`."""
+    sun = direction(np.radians(sky.sun_elevation), np.radians(90.0 - sun_azimuth))
+    elevations = np.pi * (0.5 - (np.arange(height) + 0.5) / height)
+    longitudes = 2 * np.pi * (0.5 - (np.arange(2 * height) + 0.5) / (2 * height))
+    downward = sky.irradiance() + sky.direct * max(sun[2], 0.0)
+    direct, ground = sky.direct, sky.ground * downward / np.pi
+    if sensitivities is not None:
+        sky = sky.seen_by(sensitivities)
+        direct, ground = direct @ sensitivities.T, ground @ sensitivities.T
+    from_sun = np.abs((longitudes - np.arctan2(sun[1], sun[0]) + np.pi) % (2 * np.pi) - np.pi)
+    radiance = np.empty((height, 2 * height, ground.size), dtype=np.float32)
+    for row, elevation in enumerate(elevations):
+        radiance[row] = sky.radiance(elevation, from_sun) if elevation > 0 else ground
+    if sun_disc:
+        _add_disc(radiance, sun, direct, elevations, longitudes)
+    return radiance
+
+
+def sky_rgb(sun_elevation: float, height: int = 256, **settings: Any) -> NDArray[np.float32]:
+    """Return `clear_sky` in linear Rec.709, (height, 2 height, 3), 1 for `WHITE_LUMINANCE`."""
+    return clear_sky(sun_elevation, height, sensitivities=observer() * SCALE, **settings)
+
+
+def _add_disc(
+    radiance: NDArray,
+    sun: NDArray,
+    direct: NDArray,
+    elevations: NDArray,
+    longitudes: NDArray,
+) -> None:
+    """Add the sun's disc to the pixels that it touches, with its irradiance kept exactly."""
+    height = elevations.size
+    half = np.pi / (2 * height)
+    sub = (np.arange(8) + 0.5) / 4 - 1  # 8 x 8 points a pixel decide how much of it is disc
+    rows = np.flatnonzero(
+        np.abs(elevations - np.arcsin(sun[2])) < np.radians(SUN_ANGULAR_RADIUS) + 2 * half
+    )
+    covered = np.zeros((rows.size, longitudes.size))
+    limit = np.cos(np.radians(SUN_ANGULAR_RADIUS))
+    for i in sub:
+        for j in sub:
+            points = direction((elevations[rows] + i * half)[:, None], longitudes + j * half)
+            covered += points @ sun >= limit
+    # A disc smaller than the sampling falls on the nearest pixel.
+    if not covered.any():
+        centres = direction(elevations[rows][:, None], longitudes)
+        covered.flat[np.argmax(centres @ sun)] = 1.0
+    solid = (np.sin(elevations[rows] + half) - np.sin(elevations[rows] - half)) * 2 * half
+    radiance[rows] += (covered[:, :, None] / (covered * solid[:, None]).sum() * direct).astype(
+        np.float32
+    )

@@ -1,0 +1,64 @@
+"""Where the sun stands at a time and a place."""
+
+from __future__ import annotations
+
+from datetime import datetime, timedelta, timezone, tzinfo
+from zoneinfo import ZoneInfo
+
+from ..errors import InputError
+
+
+def sun_position(
+    date: str, time: str, latitude: float, longitude: float, zone: str = "UTC"
+) -> tuple[float, float]:
+    """Return the sun's elevation and azimuth [degrees], the azimuth clockwise from north.
+
+    By pvlib's solar position algorithm (Reda and Andreas 2004, DOI 10.1016/j.solener.2003.12.003),
+    within 0.001°. The elevation is the geometric one: our atmosphere does not refract either.
+
+    Parameters
+    ----------
+    date, time
+        ``2025-06-21``, ``14:30`` or ``14:30:15``, local to ``zone``.
+    latitude, longitude
+        [degrees], north and east positive.
+    zone
+        A name (``Europe/Berlin``), which knows summer time, or hours east of UTC (``+2``,
+        ``-03:30``).
+
+    Raises
+    ------
+    InputError
+        What is no date, time, place or zone; and where pvlib is not installed.
+    """
+    try:
+        moment = datetime.fromisoformat(f"{date}T{time}")
+    except ValueError:
+        cure = "give --date YYYY-MM-DD --time HH:MM"
+        raise InputError("--date", f"'{date} {time}' is no date and time", cure) from None
+    if not -90.0 <= latitude <= 90.0:
+        raise InputError("--latitude", f"{latitude:g}°", "give -90 to 90, north positive")
+    if not -180.0 <= longitude <= 180.0:
+        raise InputError("--longitude", f"{longitude:g}°", "give -180 to 180, east positive")
+    moment = moment.replace(tzinfo=_zone(zone))
+    try:
+        import pandas
+        from pvlib.solarposition import get_solarposition
+    except ImportError:
+        cure = "pip install 'spectral-skylight[science]', or give --sun-elevation"
+        raise InputError("--date", "pvlib is not installed", cure) from None
+    place = get_solarposition(pandas.DatetimeIndex([moment]), latitude, longitude)
+    return float(place["elevation"].iloc[0]), float(place["azimuth"].iloc[0])
+
+
+def _zone(name: str) -> tzinfo:
+    """Read a zone's name or its distance from UTC."""
+    sign = {"+": 1, "-": -1}.get(name[:1])
+    try:
+        if sign is None:
+            return ZoneInfo(name)
+        hours, _, minutes = name[1:].partition(":")
+        return timezone(sign * timedelta(hours=float(hours), minutes=int(minutes or 0)))
+    except (ValueError, OSError, KeyError):  # ZoneInfoNotFoundError is a KeyError
+        cure = "give a name such as Europe/Berlin, or hours such as +2"
+        raise InputError("--timezone", f"'{name}' is unknown", cure) from None
