@@ -29,7 +29,7 @@ MAY_IMPORT = {
 MODULES_OF = {
     "errors": set(),
     "spectra": {"numpy", "colour", "scipy"},
-    "sky": {"numpy", "OpenEXR", "scipy", "tqdm"},
+    "sky": {"numpy", "OpenEXR", "pvlib", "scipy", "tqdm"},
     "transfer": {"numpy", "colour", "matplotlib"},
     "node_groups": {"bpy"},
     "scene": {"bpy", "mathutils", "numpy"},

@@ -5,6 +5,8 @@ from __future__ import annotations
 from datetime import datetime, timedelta, timezone, tzinfo
 from zoneinfo import ZoneInfo
 
+import numpy as np
+
 from ..errors import InputError
 
 
@@ -42,13 +44,17 @@ def sun_position(
         raise InputError("--longitude", f"{longitude:g}°", "give -180 to 180, east positive")
     moment = moment.replace(tzinfo=_zone(zone))
     try:
-        import pandas
-        from pvlib.solarposition import get_solarposition
+        from pvlib import spa
     except ImportError:
         cure = "pip install 'spectral-skylight[science]', or give --sun-elevation"
         raise InputError("--date", "pvlib is not installed", cure) from None
-    place = get_solarposition(pandas.DatetimeIndex([moment]), latitude, longitude)
-    return float(place["elevation"].iloc[0]), float(place["azimuth"].iloc[0])
+    sea_level = {"elev": 0.0, "pressure": 1013.25, "temp": 15.0, "atmos_refract": 0.5667}
+    delta_t = spa.calculate_deltat(moment.year, moment.month)
+    seconds = np.array([moment.timestamp()])
+    *_, elevation, azimuth, _ = spa.solar_position(
+        seconds, latitude, longitude, delta_t=delta_t, **sea_level
+    )
+    return float(elevation[0]), float(azimuth[0])
 
 
 def _zone(name: str) -> tzinfo:
