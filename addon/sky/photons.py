@@ -29,6 +29,9 @@ HEROES = np.searchsorted(WAVELENGTHS, [390.0, 430.0, 480.0, 540.0, 620.0, 720.0]
 ORDERS = ("first", "second", "higher", "ground")
 """What light is sorted into: scattered once, twice, more often, and all that touched the ground."""
 
+GUIDED_UNDER = 0.03
+"""Sine of the sun's elevation under which most air is in shadow, and ways seek the light."""
+
 _TURNS = 100  # ways end by chance long before
 
 
@@ -39,6 +42,7 @@ def follow(
     ways: int,
     random: np.random.Generator,
     last: int | None = None,
+    guided: bool | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the mean radiance of random ways, and the mean square of what single ways brought.
 
@@ -54,6 +58,8 @@ def follow(
         How many for each direction; their first turns are spread evenly over the depth.
     last
         Scatterings after which ways end, without touching the ground; None: no end.
+    guided
+        Whether ways seek the light, which pays when the sun is low; None: under `GUIDED_UNDER`.
 
     Returns
     -------
@@ -63,9 +69,12 @@ def follow(
     count = len(directions) * ways
     brought = np.zeros((count, len(ORDERS), WAVELENGTHS.size))
     spread = (np.arange(count) % ways + random.random(count)) / ways
+    guided = bool(np.max(sun[..., 2]) < GUIDED_UNDER) if guided is None else guided
     way = _Ways(matter, sun, np.repeat(directions, ways, axis=0), random)
+    if guided:
+        way.guide = _Guide(matter)
     for turn in range(_TURNS):
-        way.fly(spread if turn == 0 else random.random(len(way.index)))
+        way.fly(spread if turn == 0 else random.random(len(way.index)), turn > 0)
         if last is not None:
             way.keep(~way.grounded)
         order = np.where(way.touched, 3, np.minimum(way.scatterings - 1, 2))
@@ -99,6 +108,7 @@ class _Ways:
         self, matter: Medium, sun: NDArray, direction: NDArray, random: np.random.Generator
     ) -> None:
         count = len(direction)
+        self.guide: _Guide | None = None
         self.sun = np.broadcast_to(sun, (count, 3))
         self.matter, self.random, self.direction = matter, random, direction
         self.index = np.arange(count)
@@ -123,8 +133,11 @@ class _Ways:
         for name in _OF_EACH:
             setattr(self, name, getattr(self, name)[chosen])
 
-    def fly(self, chance: NDArray[np.float64]) -> None:
-        """Go straight on to the next turn, in the air or on the ground."""
+    def fly(self, chance: NDArray[np.float64], seek: bool) -> None:
+        """Go straight on to the next turn, in the air or on the ground.
+
+        ``seek``: preferably where the sun shines, if there is a guide.
+        """
         radius = np.linalg.norm(self.position, axis=1)
         start = np.einsum("pk,pk->p", self.position, self.direction)
         lowest = np.sqrt(np.maximum(radius**2 - start**2, 0.0))
@@ -134,19 +147,17 @@ class _Ways:
         marks = np.concatenate([-reach[:, ::-1], reach], axis=1)
         marks = np.clip(marks, start[:, None], end[:, None])
         lengths = np.diff(marks)
-        whole = lengths @ self.density[:, :2]
         # Optical depth for the hero that decides, and the place where it reaches the drawn one.
         mine = self.heroes[:, self.hero].T
-        depth = np.cumsum(lengths * (mine @ self.density[:, :2].T), axis=1)
-        passing = np.where(grounding, 0.0, np.exp(-depth[:, -1]))
-        drawn = -np.log1p(-chance * (1.0 - passing))
-        self.grounded = drawn >= depth[:, -1]
-        self.grounded &= grounding
-        rows = np.arange(len(drawn))
-        segment = np.minimum((depth < drawn[:, None]).sum(axis=1), depth.shape[1] - 1)
-        before = np.where(segment > 0, depth[rows, segment - 1], 0.0)
-        share = (drawn - before) / np.maximum(depth[rows, segment] - before, 1e-300)
-        place = marks[rows, segment] + np.clip(share, 0.0, 1.0) * lengths[rows, segment]
+        steps = lengths * (mine @ self.density[:, :2].T)
+        if seek and self.guide is not None:
+            segment, share = self._guided(
+                self.guide, lengths, steps, marks, start, grounding, chance
+            )
+        else:
+            segment, share = self._unguided(lengths, steps, grounding, chance)
+        rows = np.arange(len(segment))
+        place = marks[rows, segment] + share * lengths[rows, segment]
         place = np.where(self.grounded, end, place)
         passed = np.clip(place[:, None] - marks[:, :-1], 0.0, lengths) @ self.density
         self.position = self.position + (place - start)[:, None] * self.direction
@@ -154,10 +165,63 @@ class _Ways:
         self.layer = segment
         self.weight *= np.exp(-(passed[:, :3] @ self.matter.extinction))
         self.odds *= np.exp(-(passed[:, :2] @ self.heroes))
-        leaving = -np.expm1(-(whole @ self.heroes))
-        self.odds /= np.where(grounding[:, None], 1.0, np.maximum(leaving, 1e-300))
         self.scatterings += ~self.grounded
         self.touched |= self.grounded
+
+    def _unguided(
+        self, lengths: NDArray, steps: NDArray, grounding: NDArray, chance: NDArray
+    ) -> tuple[NDArray, NDArray]:
+        """Choose by chance where to turn, as light would, but never leave the atmosphere.
+
+        Returns the segment and the share of it that is passed, (p,) each.
+        """
+        depth = np.cumsum(steps, axis=1)
+        passing = np.where(grounding, 0.0, np.exp(-depth[:, -1]))
+        drawn = -np.log1p(-chance * (1.0 - passing))
+        self.grounded = (drawn >= depth[:, -1]) & grounding
+        rows = np.arange(len(drawn))
+        segment = np.minimum((depth < drawn[:, None]).sum(axis=1), depth.shape[1] - 1)
+        before = depth[rows, segment] - steps[rows, segment]
+        share = (drawn - before) / np.maximum(steps[rows, segment], 1e-300)
+        leaving = -np.expm1(-(lengths @ self.density[:, :2] @ self.heroes))
+        self.odds /= np.where(grounding[:, None], 1.0, np.maximum(leaving, 1e-300))
+        return segment, np.clip(share, 0.0, 1.0)
+
+    def _guided(
+        self,
+        guide: _Guide,
+        lengths: NDArray,
+        steps: NDArray,
+        marks: NDArray,
+        start: NDArray,
+        grounding: NDArray,
+        chance: NDArray,
+    ) -> tuple[NDArray, NDArray]:
+        """Choose as `_unguided`, with every segment counting for more the more sun it has."""
+        middle = 0.5 * (marks[:, 1:] + marks[:, :-1])
+        lowest = np.einsum("pk,pk->p", self.position, self.position) - start**2
+        height = np.einsum("pk,pk->p", self.position, self.sun)[:, None]
+        toward = np.einsum("pk,pk->p", self.direction, self.sun)[:, None]
+        height = (height + (middle - start[:, None]) * toward) / np.sqrt(
+            np.maximum(lowest[:, None] + middle**2, 1.0)
+        )
+        worth = guide.worth(height)
+        # Of turning within each segment, and (last) on the ground, for every hero.
+        depths = np.cumsum(lengths[:, None, :] * (self.heroes.T @ self.density[:, :2].T), axis=2)
+        passed = np.exp(-depths)
+        stopped = -np.diff(passed, axis=2, prepend=1.0)
+        down = np.where(grounding, guide.floor, 0.0)
+        total = np.einsum("phs,ps->ph", stopped, worth) + down[:, None] * passed[:, :, -1]
+        rows = np.arange(len(start))
+        sums = np.cumsum(stopped[rows, self.hero] * worth, axis=1)
+        drawn = chance * total[rows, self.hero]
+        self.grounded = (drawn >= sums[:, -1]) & grounding
+        segment = np.minimum((sums <= drawn[:, None]).sum(axis=1), sums.shape[1] - 1)
+        step = steps[rows, segment]
+        within = -np.log1p(self.random.random(len(rows)) * np.expm1(-step))
+        factor = np.where(self.grounded, down, worth[rows, segment])
+        self.odds *= factor[:, None] / np.maximum(total, 1e-300)
+        return segment, np.clip(within / np.maximum(step, 1e-300), 0.0, 1.0)
 
     def sunlight(self) -> NDArray[np.float64]:
         """Return what the sun sends back along each way from the turn that it is at, (p, 81)."""
@@ -214,6 +278,28 @@ class _Ways:
     def _densities(self) -> NDArray[np.float64]:
         """Return the densities of air and haze where the ways are, (2, p)."""
         return self.density[self.layer, :2].T
+
+
+class _Guide:
+    """How much sun there is, by shell and height of the sun: where ways had better turn."""
+
+    floor = 0.03
+    """Worth of a turn in the shadow, from where a way may still find light."""
+
+    def __init__(self, matter: Medium) -> None:
+        self.heights = np.linspace(-0.3, 0.3, 121)
+        middle = EARTH_RADIUS + 0.5 * (matter.edges[1:] + matter.edges[:-1])
+        columns = columns_to_space(matter, middle[:, None], self.heights)
+        table = self.floor + transmittance(matter, columns)[..., HEROES].mean(axis=-1)
+        nothing = np.zeros((1, self.heights.size))
+        self.table = np.concatenate([table[::-1], nothing, table])  # by segment of a ray
+
+    def worth(self, height: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the worth of turns in every segment (p, s), by the sine of the sun's height."""
+        step = self.heights[1] - self.heights[0]
+        place = (height - self.heights[0]) / step + 0.5
+        place = np.clip(place, 0, self.heights.size - 1).astype(np.intp)
+        return self.table[np.arange(len(self.table)), place]
 
 
 def _around(axis: NDArray, cosine: NDArray, angle: NDArray) -> NDArray[np.float64]:

@@ -43,7 +43,7 @@ class Quality:
 
 QUALITIES = {
     "preview": Quality(once=(48, 19), more=(16, 13), ways=96, shells=30),
-    "reference": Quality(once=(96, 33), more=(32, 64), ways=768, shells=50),
+    "reference": Quality(once=(96, 33), more=(32, 64), ways=1024, shells=50),
 }
 """By name: a second, and a minute on two cores with 2,048 directions."""
 

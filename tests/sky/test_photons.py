@@ -97,6 +97,21 @@ def test_orders_are_sorted():
     assert np.all(np.abs(two[1] - all_orders[1]) < 5 * error)
 
 
+@pytest.mark.parametrize("elevation", [20.0, -4.0])
+def test_guidance_changes_the_noise_alone(elevation):
+    matter = medium(Atmosphere(), SHELLS)
+    sun = direction(np.radians(elevation), 0.0)
+    (plain, noise), (guided, less) = (
+        follow(matter, sun, VIEWS, 6000, random(6), guided=choice) for choice in (False, True)
+    )
+    plain, guided = plain[1:].sum(axis=0), guided[1:].sum(axis=0)
+    error = np.sqrt((noise - plain**2 + less - guided**2) / 6000)
+    # 5 standard errors: they are themselves uncertain where few ways find the light.
+    assert np.all(np.abs(plain - guided) < 5 * error)
+    if elevation < 0:
+        assert less.mean() - (guided**2).mean() < 0.5 * (noise.mean() - (plain**2).mean())
+
+
 def test_black_ground_reflects_nothing():
     matter = medium(Atmosphere(ground=0.0), SHELLS)
     light, _ = follow(matter, direction(0.7, 0.0), VIEWS, 200, random())

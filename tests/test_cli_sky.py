@@ -1,0 +1,87 @@
+"""The command `sky`: every option changes the picture, or says what is wrong with it."""
+
+import numpy as np
+import pytest
+
+from spectral_skylight.addon import cli
+from spectral_skylight.addon.sky.panorama import read_panorama
+
+
+def make(path, *options):
+    arguments = ["sky", "--width", "16", "--out", path, *options]
+    assert cli.main([str(argument) for argument in arguments]) == 0
+    return read_panorama(path)
+
+
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory):
+    return make(tmp_path_factory.mktemp("sky") / "plain.exr", "--sun-elevation", 20).rgb
+
+
+def test_options_change_the_sky(tmp_path, plain):
+    green = tmp_path / "ground.csv"
+    rows = [f"{nm},{0.02 + 0.2 * (nm > 520)},0.9" for nm in range(400, 701, 20)]
+    green.write_text("\n".join(["wavelength,grass,snow", *rows]))
+    for k, options in enumerate(
+        (
+            ("--haze", 0.3),
+            ("--turbidity", 0.1),
+            ("--haze", 0.05, "--angstrom", 0.5),
+            ("--ozone", 500),
+            ("--water", 40),
+            ("--ground", 0.7),
+            ("--ground", f"{green}:grass"),
+            ("--orders", 1),
+            ("--orders", 2),
+            ("--seed", 1),
+            ("--paper",),
+            ("--sun-azimuth", 90),
+            ("--sun-disc",),
+        )
+    ):
+        rgb = make(tmp_path / f"{k}.exr", "--sun-elevation", 20, *options).rgb
+        assert np.abs(rgb - plain).max() > 1e-4 * plain.max(), options
+
+
+def test_turbidity_is_the_haze_at_1000_nm(tmp_path):
+    by_turbidity = make(tmp_path / "a.exr", "--sun-elevation", 20, "--turbidity", 0.1)
+    same = ("--haze", 0.1 * 0.55**-1.3, "--sun-elevation", 20)
+    np.testing.assert_allclose(by_turbidity.rgb, make(tmp_path / "b.exr", *same).rgb, rtol=1e-6)
+
+
+def test_sun_by_date_and_place(tmp_path, capsys):
+    pytest.importorskip("pvlib")
+    place = ("--latitude", 52.5, "--longitude", 13.4, "--timezone", "Europe/Berlin")
+    make(tmp_path / "a.exr", "--date", "2025-06-21", "--time", "13:10", *place)
+    out = capsys.readouterr().out
+    # At noon on the longest day: 90 - 52.5 + 23.44, in the south.
+    assert "sun at 60.9" in out and "azimuth 180." in out
+
+
+def test_standard_error_is_stated(tmp_path, capsys):
+    make(tmp_path / "a.exr", "--sun-elevation", 30)
+    assert "standard error of the irradiance at most 0." in capsys.readouterr().out
+    make(tmp_path / "a.exr", "--sun-elevation", 30, "--orders", 1)
+    assert "at most 0.00 %" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("options", "part"),
+    [
+        ([], "--sun-elevation or --date"),
+        (["--sun-elevation", "20", "--date", "2025-06-21"], "--sun-elevation or --date"),
+        (["--date", "2025-06-21"], "--latitude"),
+        (["--date", "2025-13-01", "--latitude", "0", "--longitude", "0"], "--date"),
+        (["--sun-elevation", "20", "--orders", "some"], "--orders"),
+        (["--sun-elevation", "20", "--orders", "0"], "--orders"),
+        (["--sun-elevation", "20", "--ground", "1.5"], "ground"),
+        (["--sun-elevation", "20", "--ground", "none.csv"], "none.csv"),
+        (["--sun-elevation", "20", "--ozone", "-5"], "ozone"),
+        (["--sun-elevation", "20", "--width", "4"], "--width"),
+    ],
+)
+def test_what_is_wrong_is_said(capsys, tmp_path, options, part):
+    assert cli.main(["sky", "--out", str(tmp_path / "sky.exr"), *options]) == 2
+    error = capsys.readouterr().err
+    assert part in error and error.count("\n") == 1
+    assert not (tmp_path / "sky.exr").exists()
