@@ -113,7 +113,7 @@ class Ensemble:
         XYZ = XYZ[(XYZ > 0).all(axis=1)]
         if not len(XYZ):
             return expected
-        own = _uv(self.spectra @ (cmfs() * WEIGHTS).T)
+        own = _uv(self.scores @ (self.components @ (cmfs() * WEIGHTS).T))
         distance = np.sum((own - _uv(XYZ)[:, None]) ** 2, axis=-1)
         near = XYZ[:, 1] / XYZ[:, 1].sum() @ np.exp(-0.5 * distance / _NEAR_COLOUR**2)
         return self._wiener(S_in, weights * (near + _FLOOR))
