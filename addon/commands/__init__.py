@@ -1,0 +1,1 @@
+"""The commands: each gathers its arguments, calls other rooms and prints what came back."""

@@ -1,0 +1,69 @@
+"""`apply`: materials of a blend file made spectral."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from ..errors import InputError
+from .arguments import add_matrix_options
+
+
+def add(commands: Any) -> None:
+    """Add the command to those of the parser."""
+    parser = commands.add_parser("apply", help="make materials of a .blend spectral")
+    parser.add_argument("scene", metavar="SCENE.blend")
+    parser.add_argument("--sky", metavar="HDRI", help="default: the World's own")
+    parser.add_argument(
+        "--assign",
+        action="append",
+        required=True,
+        type=_assignment,
+        metavar="MATERIAL=FILE.csv[:COLUMN]",
+        help="may be given many times",
+    )
+    add_matrix_options(parser)
+    parser.add_argument("--space", help="checked against the file's working space")
+    parser.add_argument("--out", required=True, metavar="OUT.blend")
+    parser.set_defaults(run=run)
+
+
+def _assignment(text: str) -> tuple[str, str]:
+    material, equals, reflectance = text.partition("=")
+    if not (material and equals and reflectance):
+        raise argparse.ArgumentTypeError(f"'{text}' is not MATERIAL=FILE.csv[:COLUMN]")
+    return material, reflectance
+
+
+def run(options: argparse.Namespace) -> None:
+    """Write the blend file, and print what each material was given."""
+    from ..scene import files, spectral, working_space
+    from ..spectra.reflectance import read_assigned
+
+    reflectances = {}
+    for material, text in options.assign:
+        if material in reflectances:
+            raise InputError(f"--assign {material}", "is given twice", "give each material once")
+        reflectances[material] = read_assigned(text, options.unit)
+    settings = spectral.Settings(
+        basis=options.basis,
+        camera=options.camera,
+        white=options.white,
+        sun_elevation=options.sun_elevation,
+    )
+    scene = files.open_scene(options.scene)
+    if options.space not in (None, working_space.name()):
+        raise InputError(
+            options.scene,
+            f"its working space is {working_space.name()}, not {options.space}",
+            "leave --space out",
+        )
+    if options.sky is not None:
+        spectral.set_sky(scene, options.sky, settings)
+    targets = {files.material(name): given for name, given in reflectances.items()}
+    world = spectral.develop(scene, settings)
+    light, results = spectral.make_spectral(world, targets, settings)
+    files.save(options.out)
+    for result in results:
+        print(result.line)
+    print(light.caption)

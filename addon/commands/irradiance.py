@@ -1,0 +1,46 @@
+"""`irradiance`: what an HDRI gives faces, without its sun."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import Any
+
+from ..errors import InputError
+from .arguments import three
+
+
+def add(commands: Any) -> None:
+    """Add the command to those of the parser."""
+    parser = commands.add_parser("irradiance", help="irradiance of an HDRI, without its sun")
+    parser.add_argument("sky", metavar="HDRI")
+    parser.add_argument("--out", required=True, metavar="E.exr", help="lat-long, over normals")
+    parser.add_argument("--width", type=int, default=64, help="pixels of E.exr")
+    parser.add_argument("--degree", type=int, choices=range(7), help="of the polynomial")
+    parser.add_argument("--white", type=three, metavar="R,G,B", help="undo white balance")
+    parser.add_argument("--json", action="store_true", help="print coefficients and errors")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Write the irradiance map; print the fit."""
+    from ..sky.irradiance import irradiance_map
+    from ..sky.light import analyse
+    from ..sky.panorama import read_panorama, write_panorama
+    from ..transfer.matrices import check_white
+
+    if options.width < 4 or options.width % 2:
+        raise InputError("--width", f"{options.width} pixels", "give an even number of at least 4")
+    panorama = read_panorama(options.sky)
+    if options.white is not None:
+        panorama.rgb[...] *= check_white(options.white).astype(panorama.rgb.dtype)
+    light = analyse(panorama, options.degree)
+    write_panorama(options.out, irradiance_map(light.sky, options.width))
+    if options.json:
+        print(json.dumps({"sky": options.sky, "white": options.white, **light.report()}, indent=1))
+        return
+    fit = light.fit
+    print(f"degree {fit.degree} leaves {100 * fit.errors[fit.degree].worst:.2f} % at worst")
+    if light.negatives:
+        print(f"{light.negatives} negative value(s) were set to zero")
+    print(light.caption)

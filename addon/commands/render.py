@@ -1,0 +1,25 @@
+"""`render`: an EXR and a PNG of a blend file, without a window."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+
+def add(commands: Any) -> None:
+    """Add the command to those of the parser."""
+    parser = commands.add_parser("render", help="an EXR and a PNG of a .blend, without a window")
+    parser.add_argument("scene", metavar="SCENE.blend")
+    parser.add_argument("--out", required=True, metavar="FILE.exr")
+    parser.add_argument("--camera", metavar="NAME", help="default: the scene's")
+    parser.add_argument("--engine", choices=("eevee", "cycles"), help="default: the scene's")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Render, and print the paths of the pictures."""
+    from ..scene import files, render
+
+    scene = files.open_scene(options.scene)
+    for path in render.render(scene, options.out, options.camera, options.engine):
+        print(path)

@@ -1,0 +1,135 @@
+"""`sky`: a clear sky as a lat-long HDRI."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from typing import Any
+
+from ..errors import InputError
+
+
+def add(commands: Any) -> None:
+    """Add the command to those of the parser."""
+    parser = commands.add_parser("sky", help="a clear sky as a lat-long HDRI")
+    parser.add_argument("--sun-elevation", type=float, metavar="DEG", help="-6 to 90")
+    parser.add_argument("--sun-azimuth", type=float, metavar="DEG", help="from north; default 180")
+    parser.add_argument(
+        "--date", metavar="YYYY-MM-DD", help="place the sun by date, time and place"
+    )
+    parser.add_argument("--time", default="12:00", metavar="HH:MM", help="default: noon")
+    parser.add_argument("--latitude", type=float, metavar="DEG", help="north positive")
+    parser.add_argument("--longitude", type=float, metavar="DEG", help="east positive")
+    parser.add_argument(
+        "--timezone", default="UTC", metavar="ZONE", help="Europe/Berlin, or hours east: +2"
+    )
+    parser.add_argument(
+        "--sun-disc", action="store_true", help="with the sun itself in the picture"
+    )
+    haze = parser.add_mutually_exclusive_group()
+    haze.add_argument("--haze", type=float, help="aerosol optical depth at 550 nm; default 0.05")
+    haze.add_argument(
+        "--turbidity", type=float, metavar="B", help="Ångström's: the same at 1000 nm"
+    )
+    parser.add_argument(
+        "--angstrom", type=float, default=1.3, help="Ångström's exponent of the haze"
+    )
+    parser.add_argument("--ozone", type=float, default=300.0, metavar="DU", help="Dobson units")
+    parser.add_argument("--water", type=float, default=14.0, metavar="MM", help="precipitable")
+    parser.add_argument(
+        "--ground", default="0.2", metavar="R|FILE.csv[:COLUMN]", help="reflectance of the ground"
+    )
+    parser.add_argument(
+        "--paper", action="store_true", help="the paper's air: λ⁻⁴ alone, nothing absorbs"
+    )
+    parser.add_argument("--orders", default="all", metavar="N|all", help="scatterings to count")
+    parser.add_argument("--quality", choices=("preview", "reference"), default="preview")
+    parser.add_argument("--seed", type=int, default=0, help="of the photons' chances")
+    parser.add_argument("--width", type=int, default=1024, help="pixels; the height is half of it")
+    parser.add_argument("--out", metavar="SKY.exr", help="linear Rec.709; 1 is 10,000 cd/m²")
+    parser.add_argument("--spectral", metavar="SPECTRAL.exr", help="W m⁻² sr⁻¹ nm⁻¹, 81 channels")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Simulate the sky, write it, and say where the sun stands."""
+    from ..sky.clear_sky import SCALE, WHITE_LUMINANCE, picture
+    from ..sky.panorama import write_panorama, write_spectral
+    from ..sky.simulation import simulate
+    from ..spectra.grid import WAVELENGTHS
+    from ..spectra.sensitivities import observer
+
+    if not (options.out or options.spectral):
+        raise InputError("sky", "nowhere to write to", "give --out SKY.exr or --spectral FILE.exr")
+    if not 8 <= options.width <= 8192:
+        raise InputError("--width", f"{options.width} pixels", "give 8 to 8192")
+    elevation, azimuth = _sun(options)
+    orders = options.orders
+    if orders != "all" and not orders.isdecimal():
+        raise InputError("--orders", f"'{orders}'", "give 1, 2, … or all")
+    sky = simulate(
+        elevation,
+        _atmosphere(options),
+        orders=None if orders == "all" else int(orders),
+        quality=options.quality,
+        seed=options.seed,
+        progress=sys.stderr.isatty(),
+    )
+    view = options.width // 2, azimuth, options.sun_disc
+    if options.out:
+        attributes = {
+            "whiteLuminance": WHITE_LUMINANCE,
+            "comments": f"clear sky, sun elevation {elevation:.4g}, azimuth {azimuth:.4g} degrees",
+        }
+        write_panorama(options.out, picture(sky, *view, observer() * SCALE), attributes)
+    if options.spectral:
+        write_spectral(options.spectral, picture(sky, *view), WAVELENGTHS)
+    error = (sky.irradiance_error() / sky.irradiance()).max()
+    print(
+        f"sun at {elevation:.2f}°, azimuth {azimuth:.2f}°; "
+        f"standard error of the irradiance at most {100 * error:.2f} % at any wavelength"
+    )
+
+
+def _sun(options: argparse.Namespace) -> tuple[float, float]:
+    """Return where the sun stands: given, or by date and place."""
+    given = options.sun_elevation is not None
+    if given == (options.date is not None):
+        cure = "give either --sun-elevation or --date with --latitude and --longitude"
+        raise InputError("sky", "where is the sun?", cure)
+    if given:
+        return options.sun_elevation, 180.0 if options.sun_azimuth is None else options.sun_azimuth
+    from ..sky.sun_position import sun_position
+
+    if options.latitude is None or options.longitude is None:
+        raise InputError("--date", "no place", "give --latitude and --longitude too")
+    elevation, azimuth = sun_position(
+        options.date, options.time, options.latitude, options.longitude, options.timezone
+    )
+    return elevation, azimuth if options.sun_azimuth is None else options.sun_azimuth
+
+
+def _atmosphere(options: argparse.Namespace) -> Any:
+    """Return the air over the ground that the options describe."""
+    from dataclasses import replace
+
+    from ..sky.atmosphere import Atmosphere
+    from ..sky.simulation import PAPER
+    from ..spectra.reflectance import read_assigned
+
+    try:
+        ground = float(options.ground)
+    except ValueError:
+        _, ground = read_assigned(options.ground)
+    if options.paper:
+        return replace(PAPER, ground=ground)
+    haze = 0.05 if options.haze is None else options.haze
+    if options.turbidity is not None:
+        haze = options.turbidity * 0.55**-options.angstrom
+    return Atmosphere(
+        haze=haze,
+        angstrom=options.angstrom,
+        ozone=options.ozone,
+        water=options.water,
+        ground=ground,
+    )
