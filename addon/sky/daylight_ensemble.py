@@ -2,12 +2,10 @@
 
 The basis `atmosphere` (see `spectra.bases`) is a summary of these. No measured spectrum is among
 them: atmospheres are drawn at random, from clear to hazy, thin to thick ozone, dry to humid, over
-grass, soil, city and snow, and each gives light of several `KINDS`. Everything scattered more than
-once is taken from an even mean sky and ground: enough for the shape of the spectrum, which is all
-that is kept.
+grass, soil, city and snow, and each gives light of several `KINDS`, with all orders of scattering.
 
-``python -m spectral_skylight.addon.sky.daylight_ensemble`` writes the table that ships, in a
-minute; the same seed gives the same table.
+``python -m spectral_skylight.addon.sky.daylight_ensemble`` writes the table that ships, in five
+minutes; the same seed gives the same table.
 """
 
 from __future__ import annotations
@@ -17,16 +15,16 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from tqdm import tqdm
 
 from ..spectra.ensemble import TABLE, Ensemble
 from ..spectra.grid import WAVELENGTHS
 from ..spectra.sensitivities import cmfs
-from ..spectra.sunlight import extraterrestrial_sunlight
-from .atmosphere import Atmosphere, medium
-from .scattering import single_scattering, sun_transmittance
+from .atmosphere import Atmosphere
+from .simulation import LOWEST_SUN, Quality, simulate
 
 ELEVATIONS: NDArray[np.float64] = np.concatenate(
-    [np.arange(-8.0, 8.0), np.arange(8.0, 30.0, 2.0), np.arange(30.0, 91.0, 5.0)]
+    [np.arange(LOWEST_SUN, 8.0), np.arange(8.0, 30.0, 2.0), np.arange(30.0, 91.0, 5.0)]
 )
 """Sun elevations [degrees]: close together where ozone and air mass change fast."""
 
@@ -42,6 +40,7 @@ KINDS = (
 )
 """What kinds of light an atmosphere gives; members of the ensemble name them by their place."""
 
+_QUALITY = Quality(once=(24, 13), more=(12, 9), ways=256, shells=30)
 _DRAWS = 12
 _DIRECTIONS = 6
 _COMPONENTS = 9
@@ -90,11 +89,16 @@ def lights(
 
     Their sizes do not matter; with the sun under the horizon some are those of the sky alone.
     """
-    sky, shade, sun = clear_light(sun_elevation, atmosphere)
+    seed = int(rng.integers(1 << 30))
+    sky = simulate(sun_elevation, atmosphere, quality=_QUALITY, seed=seed, cached=False)
+    shade, direct = sky.irradiance(), sky.direct
+    sun = direct * max(np.sin(np.radians(sun_elevation)), 0.0)
     daylight = shade + sun
-    direct = sun_transmittance(sun_elevation, atmosphere) * extraterrestrial_sunlight()
+    # Evenly over the sky's solid angle.
+    heights, azimuths = np.arcsin(rng.random(_DIRECTIONS + 1)), np.pi * rng.random(_DIRECTIONS + 1)
+    *directions, part = sky.radiance(heights, azimuths)
     ground = np.asarray(atmosphere.ground)
-    for direction in sky[rng.choice(len(sky), _DIRECTIONS, replace=False)]:
+    for direction in directions:
         yield "sky", direction
     yield "shade", shade
     yield "daylight", daylight
@@ -108,66 +112,15 @@ def lights(
     colour = ground if rng.random() < 0.3 else _LEAVES / 100
     partial = rng.uniform(0.1, 1.0) * shade + sun
     yield "surroundings", partial * (1.0 + rng.uniform(0.0, 2.0) * colour)
-    part = sky[rng.integers(len(sky))]
     veil = rng.uniform(0.0, 1.0) ** 2 / daylight.sum() * part.sum()
     yield "cloudy sky", part + veil * daylight
 
 
-def clear_light(
-    sun_elevation: float, atmosphere: Atmosphere
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return radiance over the sky (m, 81), and irradiance by sky and by sun on level ground (81,).
-
-    Single scattering, and what is scattered again taken from an even sky: with the mean radiance
-    J of sky and ground, a direction sends 1 - exp(-t) J more, t its optical depth of scattering.
-    """
-    directions, weights = _sky_directions()
-    matter = medium(atmosphere)
-    once = single_scattering(sun_elevation, directions, atmosphere)
-    height = max(np.sin(np.radians(sun_elevation)), 0.0)
-    sun = sun_transmittance(sun_elevation, atmosphere) * extraterrestrial_sunlight() * height
-    # Haze throws most light forward: what it turns round is less than half of what it scatters.
-    vertical = matter.scattering[0] + 0.4 * matter.scattering[1]
-    air_mass = 1.0 / (
-        directions[:, 2] + 0.15 * (np.degrees(np.arcsin(directions[:, 2])) + 3.885) ** -1.253
-    )
-    returned = 0.5 * (1.0 - np.exp(-1.4 * vertical))
-    ground = np.asarray(atmosphere.ground)
-    mean = 0.5 * (weights @ once + ground * (weights @ once + sun / np.pi))
-    mean = mean / (1.0 - returned) / (1.0 - ground * returned)
-    sky = once + (1.0 - np.exp(-air_mass[:, None] * vertical)) * mean
-    return sky, np.pi * (weights @ sky), sun
-
-
-def _sky_directions() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return unit vectors (m, 3) over half the sky, sun in the south, and weights (m,).
-
-    The weights make irradiance / pi of radiances. Two low rings are there for their spectra alone.
-    """
-    rings = 6
-    sine = np.concatenate(
-        [np.sin(np.radians([1.5, 5.0])), np.sqrt((np.arange(rings) + 0.5) / rings)]
-    )
-    azimuth = np.linspace(0.0, np.pi, 7) - np.pi / 2
-    across = np.array([0.5, 1, 1, 1, 1, 1, 0.5]) / 6
-    cosine = np.sqrt(1 - sine**2)
-    vectors = np.stack(
-        [
-            cosine[:, None] * np.cos(azimuth),
-            cosine[:, None] * np.sin(azimuth),
-            np.broadcast_to(sine[:, None], (sine.size, azimuth.size)),
-        ],
-        axis=-1,
-    )
-    weights = np.concatenate([np.zeros(2), np.full(rings, 1 / rings)])[:, None] * across
-    return vectors.reshape(-1, 3), weights.ravel()
-
-
-def simulate(draws: int = _DRAWS, seed: int = 1964) -> Ensemble:
+def draw_ensemble(draws: int = _DRAWS, seed: int = 1964, progress: bool = False) -> Ensemble:
     """Draw ``draws`` atmospheres at each of `ELEVATIONS` and return their light, compressed."""
     rng = np.random.default_rng(seed)
     spectra, elevations, kinds = [], [], []
-    for elevation in ELEVATIONS:
+    for elevation in tqdm(ELEVATIONS, desc="elevations", disable=not progress):
         for _ in range(draws):
             for kind, spectrum in lights(elevation, draw_atmosphere(rng), rng):
                 spectra.append(spectrum / (cmfs()[1] @ spectrum))
@@ -180,7 +133,7 @@ def simulate(draws: int = _DRAWS, seed: int = 1964) -> Ensemble:
 
 def main(path: Path = TABLE) -> None:
     """Write the table that ships."""
-    simulate().save(path)
+    draw_ensemble(progress=True).save(path)
 
 
 if __name__ == "__main__":
