@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .grid import WEIGHTS, resample
-from .reflectance import LARGEST_GAP, NEEDED
 from .sensitivities import cmfs
-from .table import read_table
+from .table import check_range, read_table
 
 
 @dataclass(frozen=True)
@@ -32,19 +31,7 @@ def read_light(path: str | Path) -> Light:
     missing, and spectra without luminance.
     """
     table = read_table(path)
-    x = table.wavelengths
-    if x[0] > NEEDED[0] or x[-1] < NEEDED[1]:
-        raise InputError(
-            path, f"covers {x[0]:g}-{x[-1]:g} nm", f"give at least {NEEDED[0]:g}-{NEEDED[1]:g} nm"
-        )
-    gaps = np.diff(x) * ((x[1:] > NEEDED[0]) & (x[:-1] < NEEDED[1]))
-    gap = int(np.argmax(gaps))
-    if gaps[gap] > LARGEST_GAP:
-        raise InputError(
-            f"{path}:{table.lines[gap + 1]}, wavelength column",
-            f"a gap from {x[gap]:g} to {x[gap + 1]:g} nm",
-            f"measure at least every {LARGEST_GAP:g} nm",
-        )
+    check_range(table)
     missing = np.argwhere(~np.isfinite(table.values))
     if missing.size:
         row, column = missing[0]
@@ -53,7 +40,7 @@ def read_light(path: str | Path) -> Light:
             "a number is missing",
             "fill it in or remove the row",
         )
-    values = resample(x, table.values)
+    values = resample(table.wavelengths, table.values)
     luminance = values @ (cmfs()[1] * WEIGHTS)
     dark = np.flatnonzero(luminance <= 0)
     if dark.size:

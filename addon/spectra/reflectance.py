@@ -12,15 +12,9 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .grid import WAVELENGTHS, resample
-from .table import Table, read_table
+from .table import Table, check_range, read_table
 
 UNITS = ("percent", "fraction")
-
-LARGEST_GAP = 20.0
-"""[nm] between neighbouring samples inside `NEEDED`."""
-
-NEEDED = (400.0, 700.0)
-"""The range [nm] that a file must cover: 99.9 % of what the eye sees of sunlight."""
 
 CLIPPED_UP_TO = 1.05
 """Reflectances over 1 up to this are measurement error and read as 1; more is fluorescence."""
@@ -75,7 +69,7 @@ def read_reflectances(
     if unit is not None and unit not in UNITS:
         raise InputError("--unit", f"'{unit}' is no unit", "choose percent or fraction")
     table = _visible(read_table(path))
-    _check_range(table)
+    check_range(table)
     percent, notes = _percent_columns(table, unit)
     if column is not None:
         k = _index(table, column)
@@ -155,26 +149,6 @@ def _index(table: Table, column: str) -> int:
         more = f" and {len(table.names) - 8} more" if len(table.names) > 8 else ""
         raise InputError(table.path, f"no column '{column}'", f"there are {some}{more}")
     return table.names.index(column)
-
-
-def _check_range(table: Table) -> None:
-    wavelengths = table.wavelengths
-    if wavelengths.size < 2 or wavelengths[0] > NEEDED[0] or wavelengths[-1] < NEEDED[1]:
-        span = f"{wavelengths[0]:g}-{wavelengths[-1]:g} nm" if wavelengths.size else "nothing"
-        raise InputError(
-            f"{table.path}, wavelength column, lines {table.lines.min(initial=0)}"
-            f"-{table.lines.max(initial=0)}",
-            f"covers {span}",
-            f"measure at least {NEEDED[0]:g}-{NEEDED[1]:g} nm",
-        )
-    gaps = np.diff(wavelengths) * (wavelengths[1:] > NEEDED[0]) * (wavelengths[:-1] < NEEDED[1])
-    k = int(np.argmax(gaps))
-    if gaps[k] > LARGEST_GAP:
-        raise InputError(
-            f"{table.path}:{table.lines[k + 1]}, wavelength column",
-            f"a gap from {wavelengths[k]:g} to {wavelengths[k + 1]:g} nm",
-            f"measure at least every {LARGEST_GAP:g} nm",
-        )
 
 
 def _percent_columns(table: Table, unit: str | None) -> tuple[NDArray[np.bool_], list[str]]:

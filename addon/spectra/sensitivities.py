@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .grid import WAVELENGTHS, WEIGHTS, resample
-from .reflectance import NEEDED
-from .table import read_table
+from .table import NEEDED, read_table
 from .working_spaces import DEFAULT_SPACE, XYZ_to_working
 
 

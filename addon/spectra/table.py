@@ -17,6 +17,12 @@ LONGEST_LINE = 1 << 22
 LARGEST_FILE = 1 << 28
 """Characters."""
 
+LARGEST_GAP = 20.0
+"""[nm] between neighbouring samples inside `NEEDED`."""
+
+NEEDED = (400.0, 700.0)
+"""The range [nm] that spectra must cover: 99.9 % of what the eye sees of sunlight."""
+
 _WAVELENGTH_HEADERS = re.compile(
     r"(wave ?lengths?|wave|wvl?|wl|lambda|λ|nanomet(er|re)s?|nm|wellenlänge|longueur d.onde)?"
     r"( ?(nm|nanomet(er|re)s?))?"
@@ -91,6 +97,27 @@ def read_table(path: str | Path) -> Table:
         lines=lines[order],
         unsorted=bool(np.any(np.diff(order) < 0)),
     )
+
+
+def check_range(table: Table) -> None:
+    """Check that a table covers 400-700 nm without gaps; `InputError` names lines and column."""
+    wavelengths = table.wavelengths
+    if wavelengths.size < 2 or wavelengths[0] > NEEDED[0] or wavelengths[-1] < NEEDED[1]:
+        span = f"{wavelengths[0]:g}-{wavelengths[-1]:g} nm" if wavelengths.size else "nothing"
+        raise InputError(
+            f"{table.path}, wavelength column, lines {table.lines.min(initial=0)}"
+            f"-{table.lines.max(initial=0)}",
+            f"covers {span}",
+            f"measure at least {NEEDED[0]:g}-{NEEDED[1]:g} nm",
+        )
+    gaps = np.diff(wavelengths) * (wavelengths[1:] > NEEDED[0]) * (wavelengths[:-1] < NEEDED[1])
+    k = int(np.argmax(gaps))
+    if gaps[k] > LARGEST_GAP:
+        raise InputError(
+            f"{table.path}:{table.lines[k + 1]}, wavelength column",
+            f"a gap from {wavelengths[k]:g} to {wavelengths[k + 1]:g} nm",
+            f"measure at least every {LARGEST_GAP:g} nm",
+        )
 
 
 def _rows(path: Path) -> list[tuple[int, str]]:
