@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -17,16 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError
 from ..spectra.grid import resample
 from ..spectra.sensitivities import observer
-from ..spectra.working_spaces import DEFAULT_SPACE, rec709_to_working
-from .matrices import transfer
 from .measures import delta_E, relative_error
-from .prediction import rgb_albedo
-
-TODAY = {f"RGB × RGB in {space.split()[-1]}": space for space in (DEFAULT_SPACE, "Linear Rec.2020")}
-"""Today's way by the space that it multiplies in: two marks to beat."""
-
-BEST = "best 3x3"
-"""The other mark: for each material the one matrix that least squares finds for this very light."""
+from .methods import BEST, METHODS, TODAY, Sky, estimate, true_colours, with_basis
 
 
 @dataclass(frozen=True)
@@ -98,45 +89,31 @@ def evaluate(
     if np.any(luminance <= 0):
         raise InputError("daylight", "a spectrum holds no light", "leave it out")
     lights = lights / luminance[:, None]
-    rho = np.atleast_2d(reflectances)
-    white = lights @ S.T
-    true = np.einsum("il,ml,kl->kmi", S, rho, lights, optimize=True)
-    seen = lights @ transfer(camera=camera).S_in.T
-
-    def errors(method: str, estimate: NDArray) -> Errors:
-        return Errors(
-            method,
-            delta_E(estimate, true, white[:, None]),
-            relative_error(estimate, true),
-        )
-
-    result = []
-    for method, space in TODAY.items():
-        to_space = rec709_to_working(space).T
-        product = rgb_albedo(rho, space) * (white @ to_space)[:, None]
-        result.append(errors(method, product @ np.linalg.inv(to_space)))
+    rho = np.atleast_2d(reflectances).astype(float)
+    white = (lights @ S.T)[:, None]
+    true = true_colours(lights, rho)
+    # Each light is a sky of its own: what a method is told, it is told of that light.
+    elevations = _one_each(sun_elevation, len(lights))
+    skies = [Sky(light[None], e, camera) for light, e in zip(lights, elevations, strict=True)]
+    methods = [METHODS[name] for name in TODAY]
     for basis in bases:
-        M = transfer(basis, camera=camera).matrices(rho)
-        kind, _, file = basis.partition(" ")
-        short = f"{kind} {Path(file).name}" if file else basis
-        result.append(errors(short, np.einsum("mij,kj->kmi", M, seen)))
-        if basis != "atmosphere":
-            continue
-        told: list[tuple[str, Any]] = [("colour known", [{"sky_rgb": rgb} for rgb in seen])]
-        if sun_elevation is not None:
-            elevations = _one_each(sun_elevation, len(lights))
-            told.append(("elevation known", [{"sun_elevation": float(e)} for e in elevations]))
-        for what, each in told:
-            matrices = np.stack(
-                [transfer(basis, camera=camera, **known).matrices(rho) for known in each]
-            )
-            result.append(errors(f"{basis}, {what}", np.einsum("kmij,kj->kmi", matrices, seen)))
-    fitted, *_ = np.linalg.lstsq(seen, true.reshape(len(seen), -1), rcond=None)
-    result.append(errors(BEST, (seen @ fitted).reshape(true.shape)))
+        methods.append(with_basis(basis))
+        if basis == "atmosphere":
+            methods.append(with_basis(basis, "colour"))
+            if sun_elevation is not None:
+                methods.append(with_basis(basis, "elevation"))
+    methods.append(METHODS[BEST])
+    result = []
+    for method in methods:
+        colours = estimate(method, skies, rho)
+        errors = delta_E(colours, true, white), relative_error(colours, true)
+        result.append(Errors(method.name, *errors))
     return result
 
 
-def _one_each(sun_elevation: ArrayLike, count: int) -> NDArray[np.float64]:
+def _one_each(sun_elevation: ArrayLike | None, count: int) -> list[float] | list[None]:
+    if sun_elevation is None:
+        return [None] * count
     elevations = np.ravel(np.asarray(sun_elevation, dtype=float))
     if elevations.size not in (1, count):
         raise InputError(
@@ -144,7 +121,7 @@ def _one_each(sun_elevation: ArrayLike, count: int) -> NDArray[np.float64]:
             f"{elevations.size} elevations for {count} spectra",
             "give one for all or one for each",
         )
-    return np.broadcast_to(elevations, count)
+    return np.broadcast_to(elevations, count).tolist()
 
 
 def _statistics(values: NDArray[np.float64]) -> dict[str, float]:

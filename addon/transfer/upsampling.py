@@ -1,0 +1,138 @@
+"""Spectra of light out of RGB alone: what spectral renderers do with pictures of light.
+
+The published ways make *reflectances* of RGB. For light, renderers (pbrt-v4, Mitsuba 3) scale the
+colour so that its largest component is a half, take the reflectance of that colour under D65, and
+give D65 through it. So it is done here. RGB is linear Rec.709; negative components are cut off.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..spectra.grid import WAVELENGTHS, resample
+from ..spectra.illuminants import D65
+from ..spectra.sensitivities import cmfs, observer
+
+Restore = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""From RGB (k, 3) to spectra (k, 81)."""
+
+_NODES = 17
+"""Along each side of the table of sigmoids: to 0.1 % of a colour like the table's own cells."""
+
+
+def mallett_yuksel() -> NDArray[np.float64]:
+    """Return the spectra (81, 3) of red, green and blue light; all other light is their mixture.
+
+    Mallett and Yuksel 2019, DOI 10.2312/sr.20191216, from colour-science.
+    """
+    from colour.recovery import MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019 as functions
+
+    spectra = resample(functions.wavelengths, functions.values).T * _neutral()[:, None]
+    # Off the paper's own grid red, green and blue come out some thousandths mixed.
+    return spectra @ np.linalg.inv(observer() @ spectra)
+
+
+def jakob_hanika() -> Restore:
+    """Return the way by smooth sigmoids, their coefficients read between a table's nodes.
+
+    Jakob and Hanika 2019, DOI 10.1111/cgf.13626.
+    """
+    table = _sigmoids()
+    x = _PLACE
+
+    def restore(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
+        rgb, largest = _scaled(rgb)
+        first = np.argmax(rgb, axis=-1)
+        rows = np.arange(len(rgb))
+        # The two components beside the largest, from 0 to 1, between the table's nodes.
+        place = np.stack([rgb[rows, (first + 1) % 3], rgb[rows, (first + 2) % 3]])
+        place = np.minimum(2.0 * (_NODES - 1) * place, _NODES - 1.000001)
+        (i, j), (u, v) = (cell := place.astype(int)), (place - cell)[..., None]
+        c = (1 - u) * ((1 - v) * table[first, i, j] + v * table[first, i, j + 1])
+        c += u * ((1 - v) * table[first, i + 1, j] + v * table[first, i + 1, j + 1])
+        p = (c[:, :1] * x + c[:, 1:2]) * x + c[:, 2:]
+        return (0.5 + 0.5 * p / np.sqrt(1.0 + p * p)) * largest * _neutral()
+
+    return restore
+
+
+def otsu() -> Restore:
+    """Return the way by principal components of measured reflectances, a set for each of 8 colours.
+
+    Otsu, Yamamoto and Hachisuka 2018, DOI 10.1111/cgf.13332, its data from colour-science.
+    """
+    from colour.recovery.otsu2018 import DATASET_REFERENCE_OTSU2018 as data
+
+    functions = resample(data.shape.wavelengths, data.basis_functions.reshape(-1, 36).T)
+    functions = functions.reshape(-1, 3, WAVELENGTHS.size)
+    means = resample(data.shape.wavelengths, data.means.T)
+    S = observer() * _neutral()
+    inverse = np.linalg.inv(np.einsum("il,cjl->cij", S, functions))
+    linear = np.einsum("cjl,cji->cil", functions, inverse)
+    constant = means - np.einsum("cil,ci->cl", linear, means @ S.T)
+    to_XYZ = cmfs() * D65() @ np.linalg.pinv(observer() * D65())
+    thresholds, axes, *sides = np.asarray(data.selector_array).T
+    axes, turns = axes.astype(int), np.array(sides).astype(int)
+
+    def restore(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
+        rgb, largest = _scaled(rgb)
+        XYZ = rgb @ to_XYZ.T
+        xy = XYZ[:, :2] / np.maximum(XYZ.sum(axis=-1, keepdims=True), 1e-30)
+        rows, place = np.arange(len(xy)), np.full(len(xy), _ROOT)
+        while (open_ := place < 0).any():
+            node = np.where(place == _ROOT, 0, -place)[open_]
+            side = xy[rows[open_], axes[node]] > thresholds[node]
+            place[open_] = turns[side.astype(int), node]
+        reflectance = np.einsum("kil,ki->kl", linear[place], rgb) + constant[place]
+        return np.clip(reflectance, 0.0, 1.0) * largest * _neutral()
+
+    return restore
+
+
+_ROOT = np.iinfo(int).min
+"""Where the search for a set begins: row 0, that the dataset's minus signs cannot name."""
+
+
+def _scaled(rgb: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return colours whose largest component is a half, and what they were divided by (k, 1)."""
+    rgb = np.maximum(rgb, 0.0)
+    scale = 2.0 * np.maximum(rgb.max(axis=-1, keepdims=True), 1e-30)
+    return rgb / scale, scale
+
+
+@cache
+def _neutral() -> NDArray[np.float64]:
+    """Return D65 of such a size that its RGB is (1, 1, 1)."""
+    return D65() / (observer() @ D65()).mean()
+
+
+_PLACE = np.linspace(0.0, 1.0, WAVELENGTHS.size)
+
+
+@cache
+def _sigmoids() -> NDArray[np.float64]:
+    """Return coefficients (3, n, n, 3) by the largest component and by the two that follow it.
+
+    Newton's steps along the way from grey, all nodes together.
+    """
+    side = np.linspace(0.0, 0.5, _NODES)
+    others = np.stack(np.meshgrid(side, side, indexing="ij"), axis=-1)
+    target = np.concatenate([others, np.full((*others.shape[:2], 1), 0.5)], axis=-1)
+    # Whose largest is red has green and blue to follow it, and so on around.
+    target = np.stack([np.roll(target, first + 1, axis=-1) for first in range(3)]).reshape(-1, 3)
+    S = observer() * _neutral()
+    powers = np.stack([_PLACE**2, _PLACE, np.ones_like(_PLACE)])
+    products = np.einsum("il,jl->lij", S, powers).reshape(-1, 9)
+    c = np.zeros((len(target), 3))
+    for way in np.linspace(0.05, 1.0, 20):
+        for _ in range(4):
+            p = c @ powers
+            root = np.sqrt(1.0 + p * p)
+            missing = 0.5 + way * (target - 0.5) - (0.5 + 0.5 * p / root) @ S.T
+            slope = (0.5 / root**3 @ products).reshape(-1, 3, 3)
+            c += np.linalg.solve(slope, missing[..., None])[..., 0]
+    return c.reshape(3, _NODES, _NODES, 3)
