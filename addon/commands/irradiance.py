@@ -18,6 +18,11 @@ def add(commands: Any) -> None:
     parser.add_argument("--width", type=int, default=64, help="pixels of E.exr")
     parser.add_argument("--degree", type=int, choices=range(7), help="of the polynomial")
     parser.add_argument("--white", type=three, metavar="R,G,B", help="undo white balance")
+    parser.add_argument(
+        "--map",
+        metavar="MAP.png",
+        help="the sky with the sun yellow, ground grey and light that is no skylight magenta",
+    )
     parser.add_argument("--json", action="store_true", help="print coefficients and errors")
     parser.set_defaults(run=run)
 
@@ -27,6 +32,7 @@ def run(options: argparse.Namespace) -> None:
     from ..sky.irradiance import irradiance_map
     from ..sky.light import analyse
     from ..sky.panorama import read_panorama, write_panorama
+    from ..sky.png_file import write_png
     from ..transfer.matrices import check_white
 
     if options.width < 4 or options.width % 2:
@@ -36,6 +42,8 @@ def run(options: argparse.Namespace) -> None:
         panorama.rgb[...] *= check_white(options.white).astype(panorama.rgb.dtype)
     light = analyse(panorama, options.degree)
     write_panorama(options.out, irradiance_map(light.sky, options.width))
+    if options.map is not None:
+        write_png(options.map, light.outside.picture(panorama.rgb))
     if options.json:
         print(json.dumps({"sky": options.sky, "white": options.white, **light.report()}, indent=1))
         return
@@ -43,4 +51,5 @@ def run(options: argparse.Namespace) -> None:
     print(f"degree {fit.degree} leaves {100 * fit.errors[fit.degree].worst:.2f} % at worst")
     if light.negatives:
         print(f"{light.negatives} negative value(s) were set to zero")
+    print(light.outside.verdict)
     print(light.caption)

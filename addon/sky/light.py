@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .irradiance import Fit, exact_irradiance, fit_coefficients
+from .outside import KINDS, Outside, outside
 from .panorama import Panorama
 from .polynomial import exponents
 from .sun import Sun, separate_sun
@@ -34,7 +35,8 @@ class SkyLight:
 
     ``fit``: coefficients of the sky's irradiance without the sun's disc; ``sun``: the disc, or
     None; ``sky`` (h, 2 h, 3): the panorama without the disc; ``faces`` (9, 3): RGB irradiance of
-    the sky on `FACES`.
+    the sky on `FACES`; ``outside``: which of its pixels are no skylight, and their shares of the
+    light on `FACES`.
     """
 
     name: str
@@ -42,6 +44,7 @@ class SkyLight:
     fit: Fit
     sun: Sun | None
     faces: NDArray[np.float64]
+    outside: Outside
     negatives: int = 0
     """Count of the HDRI's negative values, which were set to zero."""
 
@@ -62,7 +65,8 @@ class SkyLight:
         """Return all that was found as plain numbers and text, ready for JSON or blend data.
 
         Polynomial: ``degree``, ``exponents`` (a, b, c) of x^a y^b z^c and ``coefficients`` RGB of
-        each, irradiance / pi; ``errors`` of each degree as fractions; the ``sun`` where there is.
+        each, irradiance / pi; ``errors`` of each degree as fractions; the ``sun`` where there is;
+        ``outside``: the shares (9, 4) of the light on `FACES` by ``kinds`` and a ``verdict``.
         """
         sun = self.sun
         return {
@@ -74,6 +78,12 @@ class SkyLight:
             "upward": self.faces[0].tolist(),
             "negatives": self.negatives,
             "caption": self.caption,
+            "outside": {
+                "kinds": list(KINDS),
+                "shares": self.outside.shares.tolist(),
+                "verdict": self.outside.verdict,
+                "mostly": self.outside.mostly,
+            },
         } | (
             {}
             if sun is None
@@ -91,8 +101,14 @@ class SkyLight:
         )
 
 
-def analyse(panorama: Panorama, degree: int | None = None) -> SkyLight:
-    """Set the sun apart and fit the irradiance polynomial; `degree` as in `fit_coefficients`."""
+def analyse(
+    panorama: Panorama, degree: int | None = None, S_in: NDArray[np.float64] | None = None
+) -> SkyLight:
+    """Set the sun apart, fit the irradiance polynomial and look for what is no skylight.
+
+    ``degree`` as in `fit_coefficients`. ``S_in`` (3, 81): what made the HDRI's numbers, by which
+    alone the colours of skylight are known: as in `off_locus`, over the white of a balanced one.
+    """
     sky, sun = separate_sun(panorama.rgb)
     return SkyLight(
         name=panorama.name,
@@ -100,5 +116,6 @@ def analyse(panorama: Panorama, degree: int | None = None) -> SkyLight:
         fit=fit_coefficients(sky, degree),
         sun=sun,
         faces=exact_irradiance(sky, FACES),
+        outside=outside(sky, sun, FACES, S_in),
         negatives=panorama.negatives,
     )

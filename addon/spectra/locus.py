@@ -38,7 +38,9 @@ def off_locus(
     *,
     direct_sun: bool = False,
 ) -> NDArray[np.float64]:
-    """Return the distance in u'v' of colours from the nearest light of the shipped ensemble.
+    """Return how far colours lie in u'v' from the lights of the shipped ensemble.
+
+    To the second nearest: one alone may be a photon's chance.
 
     Parameters
     ----------
@@ -65,7 +67,7 @@ def off_locus(
     place = XYZ @ [1.0, 15.0, 3.0] > 0
     distance = np.where(flat.any(axis=1), np.inf, 0.0)
     tree = _tree(S_in.tobytes(), to_XYZ.tobytes(), sun_elevation, direct_sun)
-    distance[place] = tree.query(_uv(XYZ[place]))[0]
+    distance[place] = tree.query(_uv(XYZ[place]), k=[2])[0][:, 0]
     return distance.reshape(rgb.shape[:-1])
 
 
