@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
 from numpy.typing import NDArray
 
 from spectral_skylight.tests.peers.conditions import SUN_ELEVATIONS
