@@ -145,6 +145,8 @@ class Fit:
     """((degree + 1)^2, 3), RGB, in the order of `polynomial.exponents`."""
     errors: tuple[DegreeError, ...]
     """What each degree from 0 to 6 would leave, whichever was chosen."""
+    of_degrees: tuple[NDArray[np.float64], ...]
+    """The coefficients of each degree."""
 
 
 def fit_coefficients(
@@ -193,7 +195,7 @@ def fit_coefficients(
     if degree is None:
         fine = (error.degree for error in errors if error.worst <= tolerance)
         degree = next(fine, HIGHEST_DEGREE)
-    return Fit(degree, coefficients[degree], tuple(errors))
+    return Fit(degree, coefficients[degree], tuple(errors), tuple(coefficients))
 
 
 def _spread(count: int, turn: float) -> NDArray[np.float64]:

@@ -19,7 +19,8 @@ from ..sky.sun_position import sun_position
 FACE_NAMES = ("up", *(f"{tilt} {side}" for tilt in ("45°", "vertical") for side in "NESW"))
 """What the faces of `FACES` are called."""
 
-_ROWS = 48
+ROWS = 48
+"""Of the pictures of the sky that light is taken from."""
 _FINER = 6
 
 
@@ -62,22 +63,22 @@ def simulate_day(
             sunlit.append((minutes / 60.0, elevation, azimuth))
     if not sunlit:
         raise InputError("--date", f"no sun rises at {latitude:g}° on {date}", "give another day")
-    weights = _cosine_weights()
+    weights = face_weights()
     light = []
     for _, elevation, azimuth in tqdm(sunlit, desc="day", disable=not progress):
-        sky = picture(simulate(elevation, **settings), _ROWS, azimuth)
+        sky = picture(simulate(elevation, **settings), ROWS, azimuth)
         light.append(weights @ sky.reshape(-1, sky.shape[-1]))
     hours, elevations, _ = np.array(sunlit).T
     return Day(hours, elevations, np.array(light))
 
 
-def _cosine_weights() -> NDArray[np.float64]:
-    """Return what each pixel of a picture of `_ROWS` rows counts on `FACES`, (9, pixels).
+def face_weights() -> NDArray[np.float64]:
+    """Return what each pixel of a picture of `ROWS` rows counts on `FACES`, (9, pixels).
 
     Finer points inside the pixels see to the horizon of each face.
     """
-    rows, columns = _ROWS * _FINER, 2 * _ROWS * _FINER
+    rows, columns = ROWS * _FINER, 2 * ROWS * _FINER
     cosine = np.maximum(directions(rows, columns) @ FACES.T, 0.0)
     cosine *= solid_angles(rows, columns)[:, None, None] / np.pi
-    blocks = cosine.reshape(_ROWS, _FINER, 2 * _ROWS, _FINER, len(FACES))
+    blocks = cosine.reshape(ROWS, _FINER, 2 * ROWS, _FINER, len(FACES))
     return blocks.sum(axis=(1, 3)).reshape(-1, len(FACES)).T

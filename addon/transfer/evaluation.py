@@ -6,7 +6,7 @@ sees only the light's three numbers.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..spectra.grid import resample
 from ..spectra.sensitivities import observer
 from .measures import delta_E, relative_error
-from .methods import BEST, METHODS, TODAY, Sky, estimate, true_colours, with_basis
+from .methods import BEST, METHODS, TODAY, Method, Sky, estimate, true_colours, with_basis
 
 
 @dataclass(frozen=True)
@@ -83,15 +83,7 @@ def evaluate(
     InputError
         As `transfer` does; elevations that are neither one nor k; light without luminance.
     """
-    S = observer()
-    lights = np.atleast_2d(lights).astype(float)
-    luminance = (lights @ S.T) @ _LUMINANCE
-    if np.any(luminance <= 0):
-        raise InputError("daylight", "a spectrum holds no light", "leave it out")
-    lights = lights / luminance[:, None]
-    rho = np.atleast_2d(reflectances).astype(float)
-    white = (lights @ S.T)[:, None]
-    true = true_colours(lights, rho)
+    lights = even(np.atleast_2d(lights).astype(float))
     # Each light is a sky of its own: what a method is told, it is told of that light.
     elevations = _one_each(sun_elevation, len(lights))
     skies = [Sky(light[None], e, camera) for light, e in zip(lights, elevations, strict=True)]
@@ -103,12 +95,28 @@ def evaluate(
             if sun_elevation is not None:
                 methods.append(with_basis(basis, "elevation"))
     methods.append(METHODS[BEST])
-    result = []
+    return list(errors_of(methods, skies, np.atleast_2d(reflectances).astype(float)))
+
+
+def errors_of(
+    methods: Iterable[Method], skies: list[Sky], rho: NDArray[np.float64]
+) -> Iterator[Errors]:
+    """Yield each method's errors over the lights of all skies and reflectances (m, 81)."""
+    lights = np.concatenate([sky.lights for sky in skies])
+    white = (lights @ observer().T)[:, None]
+    true = true_colours(lights, rho)
     for method in methods:
         colours = estimate(method, skies, rho)
         errors = delta_E(colours, true, white), relative_error(colours, true)
-        result.append(Errors(method.name, *errors))
-    return result
+        yield Errors(method.name, *errors)
+
+
+def even(lights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return lights (k, 81) of luminance 1. Raises `InputError` where there is none."""
+    luminance = (lights @ observer().T) @ _LUMINANCE
+    if np.any(luminance <= 0):
+        raise InputError("daylight", "a spectrum holds no light", "leave it out")
+    return lights / luminance[:, None]
 
 
 def _one_each(sun_elevation: ArrayLike | None, count: int) -> list[float] | list[None]:

@@ -5,7 +5,7 @@ material (``state``) and how a pixel is shaded with the two. Error, speed, set-u
 are then measured alike for all of them. A further method is one more entry in `METHODS`.
 
 All of a method that depends on the material alone is in its state. So all linear ones shade by one
-product: N bands as an (N, 3) matrix, Darling's six channels as (6, 3). None pays for what its
+product: N bands as a (3, N) matrix, Darling's six channels as (3, 6). None pays for what its
 inventors had to keep apart.
 """
 
@@ -53,8 +53,8 @@ class Sky:
 class Prepared:
     """A method ready for some materials under some sky.
 
-    ``channels`` (c, 81) make a pixel's c numbers of a spectrum. ``shade(pixels, state)`` makes
-    colours (k, 3) of pixels (k, c) and one material's state, (m, k, 3) of the states of all.
+    ``channels`` (c, 81) make a pixel's c numbers of a spectrum. ``shade(state, pixels)`` makes
+    colours (3, k) of one material's state and pixels (c, k), (m, 3, k) of the states of all.
     ``to_rec709`` (3, 3) is the view transform's work, or a scene-wide setting: no shader pays.
     """
 
@@ -65,8 +65,8 @@ class Prepared:
 
     def colours(self, lights: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return linear Rec.709 colours (k, m, 3) of all materials under lights (k, 81)."""
-        colours = self.shade(lights @ self.channels.T, self.state) @ self.to_rec709.T
-        return np.swapaxes(colours, 0, 1)
+        colours = self.to_rec709 @ self.shade(self.state, self.channels @ lights.T)
+        return np.moveaxis(colours, -1, 0)
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,7 @@ def with_basis(basis: str, *told: str) -> Method:
                 raise InputError("--sun-elevation", f"{name} has none", "give one")
             known["sun_elevation"] = sky.sun_elevation
         mapping = transfer(basis, camera=sky.camera, **known)
-        return Prepared(mapping.S_in, np.swapaxes(mapping.matrices(rho), -1, -2))
+        return Prepared(mapping.S_in, mapping.matrices(rho))
 
     return Method(name, "3x3", prepare, told)
 
@@ -136,7 +136,7 @@ def rgb_times_rgb(name: str, from_XYZ: Callable[[], NDArray[np.float64]], *told:
         S = np.linalg.inv(to_rec709) @ observer()
         seen = S * (sky.lights[0] if told else D65())
         albedo = rho @ seen.T / seen.sum(axis=1)
-        return Prepared(S, albedo[:, None, :], np.multiply, to_rec709)
+        return Prepared(S, albedo[:, :, None], np.multiply, to_rec709)
 
     return Method(name, "RGB × RGB", prepare, told)
 
@@ -152,19 +152,19 @@ def _best_diagonal(sky: Sky, rho: NDArray[np.float64]) -> Prepared:
     pixels = sky.lights @ sky.S_in.T
     true = true_colours(sky.lights, rho)
     scale = np.einsum("kmi,ki->mi", true, pixels) / (pixels**2).sum(axis=0)
-    return Prepared(sky.S_in, scale[:, None, :], np.multiply)
+    return Prepared(sky.S_in, scale[:, :, None], np.multiply)
 
 
 def _best_matrix(sky: Sky, rho: NDArray[np.float64]) -> Prepared:
     pixels = sky.lights @ sky.S_in.T
     true = true_colours(sky.lights, rho).reshape(len(pixels), -1)
     fitted, *_ = np.linalg.lstsq(pixels, true, rcond=None)
-    return Prepared(sky.S_in, np.swapaxes(fitted.reshape(3, -1, 3), 0, 1))
+    return Prepared(sky.S_in, np.moveaxis(fitted.reshape(3, -1, 3), 0, -1))
 
 
 def _reflected(rho: NDArray[np.float64], restoration: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return matrices (m, c, 3) of materials where c numbers are restored to spectra (81, c)."""
-    return np.swapaxes((rho[:, None, :] * observer()) @ restoration, -1, -2)
+    """Return matrices (m, 3, c) of materials where c numbers are restored to spectra (81, c)."""
+    return (rho[:, None, :] * observer()) @ restoration
 
 
 SECOND_TRIPLET = 610.0, 15.0
@@ -201,7 +201,7 @@ def _six_multiplied(sky: Sky, rho: NDArray[np.float64]) -> Prepared:
     sharp = mix @ channels
     to_rgb = observer() @ np.linalg.pinv(sharp)
     albedo = (rho * D65()) @ sharp.T / (sharp @ D65())
-    return Prepared(sharp, albedo[:, :, None] * to_rgb.T)
+    return Prepared(sharp, albedo[:, None, :] * to_rgb)
 
 
 def _six_matrix(sky: Sky, rho: NDArray[np.float64]) -> Prepared:
@@ -233,8 +233,7 @@ def _bands(count: int) -> Method:
         parts = _parts(count)
         weights = parts * np.abs(observer()).sum(axis=0)
         means = weights / weights.sum(axis=1, keepdims=True)
-        inside = parts @ observer().T
-        return Prepared(means, (rho @ means.T)[:, :, None] * inside)
+        return Prepared(means, (rho @ means.T)[:, None, :] * (observer() @ parts.T))
 
     return Method(f"{count} bands", "bands", prepare)
 
@@ -245,10 +244,10 @@ def _restored(name: str, restore: Callable[[], upsampling.Restore]) -> Method:
     def prepare(sky: Sky, rho: NDArray[np.float64]) -> Prepared:
         spectra = restore()
 
-        def shade(pixels: NDArray, state: NDArray) -> NDArray:
-            return spectra(pixels) @ state
+        def shade(state: NDArray, pixels: NDArray) -> NDArray:
+            return state @ spectra(pixels)
 
-        return Prepared(observer(), rho[:, :, None] * observer().T, shade)
+        return Prepared(observer(), rho[:, None, :] * observer(), shade)
 
     return Method(name, "spectrum restored", prepare)
 

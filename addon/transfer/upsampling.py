@@ -18,7 +18,7 @@ from ..spectra.illuminants import D65
 from ..spectra.sensitivities import cmfs, observer
 
 Restore = Callable[[NDArray[np.float64]], NDArray[np.float64]]
-"""From RGB (k, 3) to spectra (k, 81)."""
+"""From RGB (3, k) to spectra (81, k)."""
 
 _NODES = 17
 """Along each side of the table of sigmoids: to 0.1 % of a colour like the table's own cells."""
@@ -41,21 +41,19 @@ def jakob_hanika() -> Restore:
 
     Jakob and Hanika 2019, DOI 10.1111/cgf.13626.
     """
-    table = _sigmoids()
-    x = _PLACE
 
     def restore(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
+        table, x, neutral = (p.astype(rgb.dtype) for p in (_sigmoids(), _PLACE, _neutral()))
         rgb, largest = _scaled(rgb)
-        first = np.argmax(rgb, axis=-1)
-        rows = np.arange(len(rgb))
+        first, pixel = np.argmax(rgb, axis=0), np.arange(rgb.shape[1])
         # The two components beside the largest, from 0 to 1, between the table's nodes.
-        place = np.stack([rgb[rows, (first + 1) % 3], rgb[rows, (first + 2) % 3]])
+        place = np.stack([rgb[(first + 1) % 3, pixel], rgb[(first + 2) % 3, pixel]])
         place = np.minimum(2.0 * (_NODES - 1) * place, _NODES - 1.000001)
         (i, j), (u, v) = (cell := place.astype(int)), (place - cell)[..., None]
         c = (1 - u) * ((1 - v) * table[first, i, j] + v * table[first, i, j + 1])
         c += u * ((1 - v) * table[first, i + 1, j] + v * table[first, i + 1, j + 1])
-        p = (c[:, :1] * x + c[:, 1:2]) * x + c[:, 2:]
-        return (0.5 + 0.5 * p / np.sqrt(1.0 + p * p)) * largest * _neutral()
+        p = (c[:, 0] * x[:, None] + c[:, 1]) * x[:, None] + c[:, 2]
+        return (0.5 + 0.5 * p / np.sqrt(1.0 + p * p)) * largest * neutral[:, None]
 
     return restore
 
@@ -72,23 +70,27 @@ def otsu() -> Restore:
     means = resample(data.shape.wavelengths, data.means.T)
     S = observer() * _neutral()
     inverse = np.linalg.inv(np.einsum("il,cjl->cij", S, functions))
-    linear = np.einsum("cjl,cji->cil", functions, inverse)
-    constant = means - np.einsum("cil,ci->cl", linear, means @ S.T)
+    linear = np.einsum("cjl,cji->cli", functions, inverse)
+    constant = means - np.einsum("cli,ci->cl", linear, means @ S.T)
     to_XYZ = cmfs() * D65() @ np.linalg.pinv(observer() * D65())
     thresholds, axes, *sides = np.asarray(data.selector_array).T
     axes, turns = axes.astype(int), np.array(sides).astype(int)
 
     def restore(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
+        first, then, neutral = (p.astype(rgb.dtype) for p in (linear, constant, _neutral()))
         rgb, largest = _scaled(rgb)
-        XYZ = rgb @ to_XYZ.T
-        xy = XYZ[:, :2] / np.maximum(XYZ.sum(axis=-1, keepdims=True), 1e-30)
-        rows, place = np.arange(len(xy)), np.full(len(xy), _ROOT)
+        XYZ = to_XYZ.astype(rgb.dtype) @ rgb
+        xy = XYZ[:2] / np.maximum(XYZ.sum(axis=0), 1e-30)
+        pixel, place = np.arange(rgb.shape[1]), np.full(rgb.shape[1], _ROOT)
         while (open_ := place < 0).any():
             node = np.where(place == _ROOT, 0, -place)[open_]
-            side = xy[rows[open_], axes[node]] > thresholds[node]
+            side = xy[axes[node], pixel[open_]] > thresholds[node]
             place[open_] = turns[side.astype(int), node]
-        reflectance = np.einsum("kil,ki->kl", linear[place], rgb) + constant[place]
-        return np.clip(reflectance, 0.0, 1.0) * largest * _neutral()
+        spectra = np.empty((len(neutral), rgb.shape[1]), rgb.dtype)
+        for each in range(len(first)):
+            its = place == each
+            spectra[:, its] = first[each] @ rgb[:, its] + then[each][:, None]
+        return np.clip(spectra, 0.0, 1.0) * largest * neutral[:, None]
 
     return restore
 
@@ -98,9 +100,9 @@ _ROOT = np.iinfo(int).min
 
 
 def _scaled(rgb: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return colours whose largest component is a half, and what they were divided by (k, 1)."""
+    """Return colours whose largest component is a half, and what they were divided by (k,)."""
     rgb = np.maximum(rgb, 0.0)
-    scale = 2.0 * np.maximum(rgb.max(axis=-1, keepdims=True), 1e-30)
+    scale = 2.0 * np.maximum(rgb.max(axis=0), 1e-30)
     return rgb / scale, scale
 
 

@@ -102,7 +102,7 @@ def test_measured_daylight_has_the_known_marks(shared_data, checker):
 
 def test_an_even_sky_lights_a_face_by_what_it_sees():
     """Quadrature over the faces: all of an even sphere is 1; of a half, (1 + cos tilt) / 2."""
-    weights = day._cosine_weights()
+    weights = day.face_weights()
     upper = np.arange(weights.shape[1]) < weights.shape[1] // 2
     # The points inside the pixels are 0.6° apart.
     np.testing.assert_allclose(weights.sum(axis=1), 1.0, atol=1e-4)
