@@ -49,7 +49,5 @@ def run(options: argparse.Namespace) -> None:
         return
     fit = light.fit
     print(f"degree {fit.degree} leaves {100 * fit.errors[fit.degree].worst:.2f} % at worst")
-    if light.negatives:
-        print(f"{light.negatives} negative value(s) were set to zero")
-    print(light.outside.verdict)
-    print(light.caption)
+    for line in (*light.notes, light.caption):
+        print(line)

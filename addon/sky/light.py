@@ -12,6 +12,7 @@ from .irradiance import Fit, exact_irradiance, fit_coefficients
 from .outside import KINDS, Outside, outside
 from .panorama import Panorama
 from .polynomial import exponents
+from .signs import signs
 from .sun import Sun, separate_sun
 
 
@@ -47,6 +48,8 @@ class SkyLight:
     outside: Outside
     negatives: int = 0
     """Count of the HDRI's negative values, which were set to zero."""
+    signs: tuple[str, ...] = ()
+    """What speaks against the HDRI's numbers being light, a sentence each."""
 
     @property
     def sun_share(self) -> float:
@@ -61,12 +64,23 @@ class SkyLight:
         share = f"{100 * self.sun_share:.0f} % of this sky's light"
         return f"open sky: no shadows yet; the sun ({share}) is not on your materials"
 
+    @property
+    def notes(self) -> list[str]:
+        """What a person should know before trusting colours under this sky, a sentence each."""
+        notes = list(self.signs)
+        if self.negatives:
+            notes.append(f"{self.negatives} negative value(s) were set to zero")
+        if self.sun is not None and self.sun.clipped:
+            notes.append("the HDRI clipped the sun: it was brighter than that")
+        return notes if self.outside.holds else [*notes, self.outside.verdict]
+
     def report(self) -> dict[str, Any]:
         """Return all that was found as plain numbers and text, ready for JSON or blend data.
 
         Polynomial: ``degree``, ``exponents`` (a, b, c) of x^a y^b z^c and ``coefficients`` RGB of
         each, irradiance / pi; ``errors`` of each degree as fractions; the ``sun`` where there is;
-        ``outside``: the shares (9, 4) of the light on `FACES` by ``kinds`` and a ``verdict``.
+        ``outside``: the shares (9, 4) of the light on `FACES` by ``kinds`` and a ``verdict``;
+        ``notes``: warnings.
         """
         sun = self.sun
         return {
@@ -77,6 +91,7 @@ class SkyLight:
             "errors": [asdict(error) for error in self.fit.errors],
             "upward": self.faces[0].tolist(),
             "negatives": self.negatives,
+            "notes": self.notes,
             "caption": self.caption,
             "outside": {
                 "kinds": list(KINDS),
@@ -118,4 +133,5 @@ def analyse(
         faces=exact_irradiance(sky, FACES),
         outside=outside(sky, sun, FACES, S_in),
         negatives=panorama.negatives,
+        signs=tuple(signs(panorama)),
     )

@@ -46,9 +46,9 @@ class Outside:
         mean, worst = self.shares.mean(axis=0)[FOREIGN], self.shares[:, FOREIGN].max()
         if not self.shares.any():
             return "the sky is dark"
-        if mean > 0.5:
+        if self.mostly:
             start = "mostly outside the model of skylight"
-        elif worst > _SOME:
+        elif not self.holds:
             start = "partly outside the model of skylight"
         else:
             return "its light has the colours of skylight"
@@ -56,6 +56,11 @@ class Outside:
             f"{start}: {100 * mean:.0f} % of the light on faces of a building, at most "
             f"{100 * worst:.0f} %, has colours that no sky has (leaves, walls, lamps, a tint)"
         )
+
+    @property
+    def holds(self) -> bool:
+        """Whether no face gets foreign light that is worth a word."""
+        return bool(self.shares[:, FOREIGN].max() <= _SOME)
 
     @property
     def mostly(self) -> bool:

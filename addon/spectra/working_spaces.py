@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 
@@ -57,3 +57,20 @@ def XYZ_to_working(space: str) -> NDArray[np.float64]:
 def rec709_to_working(space: str) -> NDArray[np.float64]:
     """Return the matrix ``T`` (3, 3) from Linear Rec.709 to ``space``; white stays (1, 1, 1)."""
     return XYZ_to_working(space) @ np.linalg.inv(XYZ_to_working(DEFAULT_SPACE))
+
+
+def primaries_to_rec709(chromaticities: ArrayLike) -> NDArray[np.float64]:
+    """Return the matrix (3, 3) to Linear Rec.709 from a space by its chromaticities.
+
+    ``chromaticities``: x and y of red, green, blue and white, (8,), as OpenEXR files name them.
+    Whites are brought to one another by the Bradford transform: (1, 1, 1) stays.
+    """
+    import colour
+
+    xy = np.asarray(chromaticities, dtype=float).reshape(4, 2)
+    white = colour.RGB_COLOURSPACES["ITU-R BT.709"].whitepoint
+    adapt = colour.adaptation.matrix_chromatic_adaptation_VonKries(
+        colour.xy_to_XYZ(xy[3]), colour.xy_to_XYZ(white), "Bradford"
+    )
+    to_XYZ = colour.normalised_primary_matrix(xy[:3], xy[3])
+    return XYZ_to_working(DEFAULT_SPACE) @ adapt @ to_XYZ

@@ -46,11 +46,8 @@ def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         return
     for sentence in found["caption"].split("; "):
         paragraph(layout, context, sentence, "INFO")
-    if found.get("sun", {}).get("clipped"):
-        paragraph(layout, context, "the HDRI clipped the sun: it was brighter than that", "INFO")
-    if found.get("negatives"):
-        text = f"{found['negatives']} negative values of the HDRI count as zero"
-        paragraph(layout, context, text, "INFO")
+    for note in found.get("notes", ()):
+        paragraph(layout, context, note, "ERROR")
     left = found["errors"][found["degree"]]
     paragraph(
         layout,
