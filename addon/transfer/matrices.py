@@ -53,6 +53,19 @@ class Transfer:
         """The matrix M(1) (3, 3) that shows the sky itself in the working space."""
         return self.matrices(np.ones(self.restoration.shape[0]))
 
+    @property
+    def largest(self) -> float:
+        """The largest entry, either sign, that the matrix of any reflectance from 0 to 1 can have.
+
+        The same with and without a white. About 1 where the basis is light; more where a channel
+        is a difference of large numbers, which multiplies whatever the sky's numbers are off by.
+        """
+        kernel = self.S_out.T[:, :, None] * self.restoration[:, None, :]
+        if self.S_in is not self.S_out:  # a camera's numbers have other sizes
+            kernel = kernel @ np.linalg.inv(self.S_out @ self.restoration)
+        parts = np.maximum(kernel, 0.0).sum(axis=0), np.maximum(-kernel, 0.0).sum(axis=0)
+        return float(np.max(parts))
+
     @cached_property
     def _kernel(self) -> NDArray[np.float64]:
         """``M`` per unit of reflectance at every node, (81, 9).
@@ -67,6 +80,10 @@ class Transfer:
             neutral = self.S_out @ self.restoration @ self.white
             kernel *= self.white / neutral[:, None]
         return kernel.reshape(-1, 9)
+
+
+_TOO_LARGE = 2.0
+"""Entries that no basis made of light comes near (1.1), and one made of noise soon passes."""
 
 
 def transfer(
@@ -100,7 +117,8 @@ def transfer(
     Raises
     ------
     InputError
-        An unknown basis, camera or space; a white that is not three positive numbers.
+        An unknown basis, camera or space; a white that is not three positive numbers; a basis
+        whose functions are no light but noise.
     """
     S_out = sensitivities.observer(space)
     S_in = S_out if camera is None else sensitivities.camera(camera)
@@ -108,7 +126,7 @@ def transfer(
     if sky_rgb is not None and white is not None:
         sky_rgb = np.asarray(sky_rgb, dtype=float) * white
     B = bases.basis(basis, S_in, sun_elevation=sun_elevation, sky_rgb=sky_rgb)
-    return Transfer(
+    mapping = Transfer(
         S_in=S_in,
         S_out=S_out,
         restoration=bases.restoration(B, S_in),
@@ -116,6 +134,14 @@ def transfer(
         basis=basis,
         space=space,
     )
+    if mapping.largest > _TOO_LARGE:
+        raise InputError(
+            "--basis",
+            f"'{basis}': its spectra differ too little; a sky's noise could grow "
+            f"{mapping.largest:.0f} times",
+            "give more various skies or another basis",
+        )
+    return mapping
 
 
 def check_white(white: ArrayLike) -> NDArray[np.float64]:
