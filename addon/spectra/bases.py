@@ -65,24 +65,26 @@ def atmosphere(
     sun_elevation: float | None = None,
     sky_rgb: ArrayLike | None = None,
 ) -> NDArray[np.float64]:
-    """Return the basis that fits our simulated skies best, (3, 81), for this sun or this colour.
+    """Return the basis that fits our simulated skies best, (3, 81), for this sun and this colour.
 
-    The Wiener estimate of `spectra.ensemble`. With the sun's elevation [degrees] it alone decides;
-    without, skies by day are expected, of the colours ``sky_rgb`` (3,) or (k, 3) where they are
-    given, and the basis leans towards `rayleigh`: between clear sky, cloud and sun it is a guess.
-    ``S_in`` (3, 81) is what made the HDRI's numbers and those of ``sky_rgb``, the standard
+    The Wiener estimate of `spectra.ensemble`. ``sun_elevation`` [degrees] and the colours
+    ``sky_rgb`` (3,) or (k, 3) say which skies are to be expected; without the elevation they are
+    skies by day. By day the basis leans towards `rayleigh`, where haze, cloud and ozone are a
+    guess. ``S_in`` (3, 81) is what made the HDRI's numbers and those of ``sky_rgb``, the standard
     observer in Linear Rec.709 where None; unlike the other bases this one depends on it.
     Raises `InputError` for an elevation that is none.
     """
     if S_in is None:
         S_in = observer()
-    if sun_elevation is not None:
-        if not -90.0 <= sun_elevation <= 90.0:
-            raise InputError("--sun-elevation", f"{sun_elevation:g}°", "give -90 to 90 degrees")
-        return shipped().restoration(S_in, sun_elevation).T
+    if sun_elevation is not None and not -90.0 <= sun_elevation <= 90.0:
+        raise InputError("--sun-elevation", f"{sun_elevation:g}°", "give -90 to 90 degrees")
     paper = restoration(rayleigh(), S_in)
-    expected = shipped().restoration(S_in, colours=sky_rgb)
-    lean = _LEAN_KNOWING_NOTHING if sky_rgb is None else _LEAN_KNOWING_COLOUR
+    expected = shipped().restoration(S_in, sun_elevation, sky_rgb)
+    if sun_elevation is None:
+        lean = _LEAN if sky_rgb is None else _LEAN_BY_COLOUR
+    else:
+        start, softness = _DAY
+        lean = _LEAN / (1.0 + np.exp((start - sun_elevation) / softness))
     return (expected + lean * (paper - expected)).T
 
 
@@ -94,10 +96,14 @@ def restoration(B: NDArray[np.float64], S_in: NDArray[np.float64]) -> NDArray[np
     return np.linalg.solve(A.T, B).T
 
 
-_LEAN_KNOWING_NOTHING = 0.5
-_LEAN_KNOWING_COLOUR = 0.3
-"""How much of the paper's basis is in `atmosphere` where no elevation is known: enough that no set
-of skies that we have is much worse off than with the paper's (see the tests)."""
+_LEAN, _LEAN_BY_COLOUR = 0.5, 0.3
+"""How much of the paper's basis is in `atmosphere` by day, and where the colour alone is known,
+which has already told much: enough that no set of skies that we have, those without ozone among
+them, is much worse off than with the paper's (see the tests)."""
+
+_DAY = 9.0, 1.0
+"""Elevation [degrees] over which it is day, and how softly that begins: under it ozone makes the
+paper's basis wrong, over it little."""
 
 BASES: dict[str, Callable[[], NDArray[np.float64]]] = {
     "rayleigh": rayleigh,

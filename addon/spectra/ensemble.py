@@ -11,7 +11,7 @@ by how near they are.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pathlib import Path
 
 import numpy as np
@@ -29,13 +29,22 @@ _NEAR_ELEVATION = 2.0, 0.15
 air a sunbeam crosses changes ever more slowly. Two degrees also hold refraction and a date or place
 known roughly."""
 
-_NEAR_COLOUR = 0.02
-"""Standard deviation of the colours that count, in CIE 1976 u'v'."""
+_NEAR_COLOUR = 0.02, 0.005
+"""Standard deviation of the colours that count, in CIE 1976 u'v': where they alone are known, and
+beside the elevation, which leaves less for them to tell."""
 
 _DAY = 8.0, 3.0, 0.02
 """Elevation [degrees] over which skies are expected when none is told, how softly that begins,
 and what is left for lower suns. Three numbers do not tell a twilight's ozone; guessed by day, it
 costs."""
+
+_WITHOUT_OZONE = 0.15
+"""How much members without ozone count where the colour is known, and may tell; else they do not.
+The air always holds ozone, but many a model of the sky does not, and HDRIs are made with those."""
+
+_SHARES = {"shade": 4.0, "daylight": 4.0, "overcast": 4.0, "tilted": 2.0}
+"""How much the kinds of light count, others 1: a matrix meets irradiances, all of the sky at once,
+more than single directions of it."""
 
 _FLOOR = 1e-3
 """Weight of members of any other colour: where no member is near, all count."""
@@ -46,17 +55,18 @@ class Ensemble:
     """Spectra of light, each over its own luminance, as sums of a few components.
 
     ``components`` (c, 81), ``scores`` (m, c), ``elevations`` of the sun (m,) [degrees], ``kinds``
-    (m,): places in `sky.daylight_ensemble.KINDS`.
+    (m,): names from `sky.daylight_ensemble.KINDS`, ``ozone`` (m,): whether the air held any.
     """
 
     components: NDArray[np.float32]
     scores: NDArray[np.float32]
     elevations: NDArray[np.float32]
-    kinds: NDArray[np.uint8]
+    kinds: NDArray[np.str_]
+    ozone: NDArray[np.bool_]
 
     @classmethod
     def compressed(
-        cls, spectra: NDArray, elevations: NDArray, kinds: NDArray, count: int
+        cls, spectra: NDArray, elevations: NDArray, kinds: NDArray, ozone: NDArray, count: int
     ) -> Ensemble:
         """Keep of ``spectra`` (m, 81) the ``count`` components that hold most of them."""
         components = np.linalg.svd(spectra.T @ spectra)[0].T[:count]
@@ -64,7 +74,8 @@ class Ensemble:
             components.astype(np.float32),
             (spectra @ components.T).astype(np.float32),
             np.asarray(elevations, np.float32),
-            np.asarray(kinds, np.uint8),
+            np.asarray(kinds),
+            np.asarray(ozone, bool),
         )
 
     def save(self, path: Path) -> None:
@@ -76,13 +87,14 @@ class Ensemble:
         """All members on the grid, (m, 81)."""
         return self.scores.astype(float) @ self.components
 
-    def restoration(
+    def weights(
         self,
         S_in: NDArray[np.float64],
         sun_elevation: float | None = None,
         colours: ArrayLike | None = None,
+        spread: float = 1.0,
     ) -> NDArray[np.float64]:
-        """Return the Wiener estimate (81, 3): ``restoration @ rgb`` is the spectrum to expect.
+        """Return how much each member is to be expected, (m,), in sum 1.
 
         Parameters
         ----------
@@ -91,32 +103,64 @@ class Ensemble:
         sun_elevation
             [degrees]. Beyond the ensemble's own elevations the nearest counts. None: by day.
         colours
-            The light's own colours as S_in sees them, (3,) or (k, 3), where the elevation is
-            not known; each counts as much as it is bright. Without luminance they are left out.
+            The light's own colours as S_in sees them, (3,) or (k, 3), where known; each counts as
+            much as it is bright. Without luminance they are left out.
+        spread
+            Beside a known elevation, how much wider than usual colours are taken to be near.
         """
+        XYZ = None if colours is None else self._XYZ(S_in, sun_elevation, colours)
+        weights = self._prior(sun_elevation, colour_known=XYZ is not None)
+        if XYZ is not None:
+            distance = np.sum((self._uv - _uv(XYZ)[:, None]) ** 2, axis=-1)
+            width = _NEAR_COLOUR[0] if sun_elevation is None else _NEAR_COLOUR[1] * spread
+            near = XYZ[:, 1] / XYZ[:, 1].sum() @ np.exp(-0.5 * distance / width**2)
+            weights = weights * (near + _FLOOR)
+        return weights / weights.sum()
+
+    def restoration(
+        self,
+        S_in: NDArray[np.float64],
+        sun_elevation: float | None = None,
+        colours: ArrayLike | None = None,
+    ) -> NDArray[np.float64]:
+        """Return the Wiener estimate (81, 3): ``restoration @ rgb`` is the spectrum to expect.
+
+        Arguments as those of `weights`.
+        """
+        return self._wiener(S_in, self.weights(S_in, sun_elevation, colours))
+
+    def _XYZ(
+        self, S_in: NDArray, sun_elevation: float | None, colours: ArrayLike
+    ) -> NDArray[np.float64] | None:
+        """What the observer sees of lights that S_in sees as ``colours``, (k, 3); None if dark."""
+        expected = self._wiener(S_in, self._prior(sun_elevation, colour_known=False))
+        XYZ = np.atleast_2d(colours) @ (cmfs() * WEIGHTS @ expected).T
+        XYZ = XYZ[(XYZ > 0).all(axis=1)]
+        return XYZ if len(XYZ) else None
+
+    def _prior(self, sun_elevation: float | None, colour_known: bool) -> NDArray[np.float64]:
+        """Return how much each member counts (m,) before its colour is looked at."""
         elevations = self.elevations.astype(float)
-        nodes, place, count = np.unique(elevations, return_inverse=True, return_counts=True)
-        weights = (np.gradient(nodes) / count)[place]
-        if sun_elevation is not None:
+        nodes, place = np.unique(elevations, return_inverse=True)
+        weights = np.gradient(nodes)[place] * np.vectorize(_SHARES.get)(self.kinds, 1.0)
+        if sun_elevation is None:
+            start, softness, rest = _DAY
+            weights *= rest + (1.0 - rest) / (1.0 + np.exp((start - elevations) / softness))
+            # Over a year and the earth the sun stands high the more rarely, the higher it stands.
+            weights *= np.cos(np.radians(np.maximum(elevations, 0.0)))
+        else:
             sun_elevation = float(np.clip(sun_elevation, nodes[0], nodes[-1]))
             width = np.hypot(_NEAR_ELEVATION[0], _NEAR_ELEVATION[1] * max(sun_elevation, 0.0))
             weights *= np.exp(-0.5 * ((elevations - sun_elevation) / width) ** 2)
-            return self._wiener(S_in, weights)
-        start, softness, rest = _DAY
-        weights *= rest + (1.0 - rest) / (1.0 + np.exp((start - elevations) / softness))
-        # Over a year and the earth the sun stands high the more rarely, the higher it stands.
-        weights *= np.cos(np.radians(np.maximum(elevations, 0.0)))
-        expected = self._wiener(S_in, weights)
-        if colours is None:
-            return expected
-        XYZ = np.atleast_2d(colours) @ (cmfs() * WEIGHTS @ expected).T
-        XYZ = XYZ[(XYZ > 0).all(axis=1)]
-        if not len(XYZ):
-            return expected
-        own = _uv(self.scores @ (self.components @ (cmfs() * WEIGHTS).T))
-        distance = np.sum((own - _uv(XYZ)[:, None]) ** 2, axis=-1)
-        near = XYZ[:, 1] / XYZ[:, 1].sum() @ np.exp(-0.5 * distance / _NEAR_COLOUR**2)
-        return self._wiener(S_in, weights * (near + _FLOOR))
+        without = _WITHOUT_OZONE if colour_known else 0.0
+        for ozone, share in ((True, 1.0 - without), (False, without)):
+            weights[self.ozone == ozone] *= share / weights[self.ozone == ozone].sum()
+        return weights
+
+    @cached_property
+    def _uv(self) -> NDArray[np.float64]:
+        """CIE 1976 u'v' of every member, (m, 2)."""
+        return _uv(self.scores @ (self.components @ (cmfs() * WEIGHTS).T))
 
     def _wiener(self, S_in: NDArray, weights: NDArray) -> NDArray[np.float64]:
         scores = self.scores.astype(float)

