@@ -140,7 +140,7 @@ FOREIGN_IN_REAL_SKIES = {
     "blender_studiolights/forest.exr": (0.05, 0.15),
     "polyhaven/rooitou_park_1k.hdr": (0.06, 0.18),
     "polyhaven/mud_road_puresky_1k.hdr": (0.0, 0.002),
-    "polyhaven/wasteland_clouds_puresky_1k.hdr": (0.0, 0.05),  # a greenish blue, at the limit
+    "polyhaven/wasteland_clouds_puresky_1k.hdr": (0.0, 0.12),  # a greenish blue, at the limit
     "polyhaven/venice_sunset_1k.hdr": (0.01, 0.08),
 }
 
