@@ -39,11 +39,13 @@ def sky(elevation, **air):
     return simulate(elevation, Atmosphere(**air), quality=quality, cached=False)
 
 
+@lru_cache
 def skylight(elevation, **air):
     """The light of a sky, without the sun, on level ground, (81,)."""
     return bright(sky(elevation, **air).irradiance())
 
 
+@lru_cache
 def daylight(elevation, **air):
     """The light of sky and sun on level ground, (81,)."""
     found = sky(elevation, **air)
