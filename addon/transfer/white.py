@@ -8,6 +8,7 @@ well; a grey sky without a sun tells little more than whether it has a tint.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -18,7 +19,7 @@ from ..sky.light import SkyLight
 from ..sky.sun import Sun
 from ..spectra.ensemble import shipped
 from .evaluation import colorchecker
-from .matrices import Transfer
+from .matrices import Transfer, check_white
 from .measures import delta_E
 
 _SKY, _SUN = 0.05, 0.1
@@ -132,6 +133,33 @@ def estimate_white(
         return WhiteEstimate(np.ones(3), np.eye(2), level, mapping)
     covariance = np.linalg.inv(precision)
     return WhiteEstimate(_whites(covariance @ balance), covariance, level, mapping)
+
+
+AUTO = "auto"
+"""Stands for the estimated white wherever a white can be given."""
+
+
+def settle_white(
+    white: ArrayLike | None, estimate: Callable[[], WhiteEstimate]
+) -> tuple[tuple[float, float, float] | None, str]:
+    """Return the white to undo and a line for a person, empty where there is nothing to say.
+
+    A white that is given is taken; `AUTO` takes the estimate where a balance is suspected, and
+    None undoes nothing but says where one is.
+    """
+    if not (white is None or isinstance(white, str)):
+        r, g, b = check_white(white)
+        return (float(r), float(g), float(b)), ""
+    found = estimate()
+    if white is None:
+        return None, found.line
+    if not found.suspected:
+        return None, "no white balance is seen in this sky, and none is undone"
+    r, g, b = (round(float(value), 4) for value in found.white)
+    return (r, g, b), (
+        f"white balance undone as {r:.2f},{g:.2f},{b:.2f}, estimated from the sky: ΔE "
+        f"{found.ignored_delta_E:.1f} falls to {found.added_delta_E:.1f}"
+    )
 
 
 def _is_known(sun: Sun) -> bool:

@@ -18,7 +18,7 @@ from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
-from spectral_skylight.addon.transfer.white import estimate_white
+from spectral_skylight.addon.transfer.white import AUTO, estimate_white, settle_white
 
 S = observer()
 MAPPING = transfer()
@@ -109,6 +109,26 @@ def test_what_is_said_can_be_typed(skies):
     assert f"--white {r:.2f},{g:.2f},{b:.2f} (or auto)" in found.line
     assert f"ΔE {found.ignored_delta_E:.1f}" in found.line and found.ignored_delta_E > 2
     assert "\n" not in found.line
+
+
+def test_auto_undoes_what_is_suspected_and_nothing_else(skies):
+    _, light, spectrum = skies[3]
+    white = whites(spectrum)["lamplight"]
+    sure, plain = balanced(light, white), balanced(light, np.ones(3))
+    found, line = settle_white(AUTO, lambda: sure)
+    np.testing.assert_allclose(found, sure.white, atol=1e-4)  # as many digits as are printed
+    assert "estimated from the sky" in line
+    assert settle_white(None, lambda: sure) == (None, sure.line)
+    assert settle_white(None, lambda: plain) == (None, "")
+    assert settle_white(AUTO, lambda: plain) == (
+        None,
+        "no white balance is seen in this sky, and none is undone",
+    )
+
+    def never():
+        raise AssertionError("a white that is given needs no estimate")
+
+    assert settle_white([1, 2, 3], never) == ((1.0, 2.0, 3.0), "")
 
 
 def test_a_camera_s_own_green_is_no_balance(skies):
