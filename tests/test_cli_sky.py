@@ -1,10 +1,12 @@
 """The command `sky`: every option changes the picture, or says what is wrong with it."""
 
+import json
+
 import numpy as np
 import pytest
 
 from spectral_skylight.addon import cli
-from spectral_skylight.addon.sky.panorama import read_panorama
+from spectral_skylight.addon.sky.panorama import read_panorama, write_panorama
 
 
 def make(path, *options):
@@ -85,3 +87,30 @@ def test_what_is_wrong_is_said(capsys, tmp_path, options, part):
     error = capsys.readouterr().err
     assert part in error and error.count("\n") == 1
     assert not (tmp_path / "sky.exr").exists()
+
+
+def test_a_white_balance_is_said_and_undone(tmp_path, capsys):
+    """The sky made grey: `irradiance` warns, and `--white auto` gives back its blue."""
+    make(tmp_path / "sky.exr", "--sun-elevation", 40, "--width", 512, "--sun-disc")
+    sky = read_panorama(tmp_path / "sky.exr").rgb
+    white = sky[:64].mean(axis=(0, 1)) / sky[:64, :, 1].mean()
+    write_panorama(tmp_path / "grey.exr", sky / white)
+    capsys.readouterr()
+
+    def found(name, *options):
+        arguments = ["irradiance", tmp_path / name, "--out", tmp_path / "e.exr", "--json", *options]
+        assert cli.main([str(argument) for argument in arguments]) == 0
+        return json.loads(capsys.readouterr().out)
+
+    assert not any("balance" in note for note in found("sky.exr")["notes"])
+    warned = found("grey.exr")
+    assert warned["white"] is None
+    assert any("looks white-balanced" in note for note in warned["notes"])
+    undone = found("grey.exr", "--white", "auto")
+    # A standard deviation of the estimate is some 0.1 of each channel.
+    np.testing.assert_allclose(undone["white"], white, rtol=0.25)
+    assert undone["upward"][2] > 1.3 * undone["upward"][0]
+    assert any("estimated from the sky" in note for note in undone["notes"])
+    none = found("sky.exr", "--white", "auto")
+    assert none["white"] is None
+    assert any("no white balance is seen" in note for note in none["notes"])

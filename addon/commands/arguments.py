@@ -14,6 +14,11 @@ def three(text: str) -> tuple[float, float, float]:
     return r, g, b
 
 
+def white_or_auto(text: str) -> tuple[float, float, float] | str:
+    """Return the three numbers of ``R,G,B``, or ``auto``."""
+    return text if text == "auto" else three(text)
+
+
 def add_matrix_options(parser: argparse.ArgumentParser) -> None:
     """Add what decides a material's matrix, but for the sky."""
     parser.add_argument(

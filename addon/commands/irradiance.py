@@ -7,7 +7,7 @@ import json
 from typing import Any
 
 from ..errors import InputError
-from .arguments import three
+from .arguments import white_or_auto
 
 
 def add(commands: Any) -> None:
@@ -17,7 +17,9 @@ def add(commands: Any) -> None:
     parser.add_argument("--out", required=True, metavar="E.exr", help="lat-long, over normals")
     parser.add_argument("--width", type=int, default=64, help="pixels of E.exr")
     parser.add_argument("--degree", type=int, choices=range(7), help="of the polynomial")
-    parser.add_argument("--white", type=three, metavar="R,G,B", help="undo white balance")
+    parser.add_argument(
+        "--white", type=white_or_auto, metavar="R,G,B|auto", help="undo white balance"
+    )
     parser.add_argument(
         "--map",
         metavar="MAP.png",
@@ -29,25 +31,33 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Write the irradiance map; print the fit."""
+    import numpy as np
+
     from ..sky.irradiance import irradiance_map
     from ..sky.light import analyse
     from ..sky.panorama import read_panorama, write_panorama
     from ..sky.png_file import write_png
-    from ..transfer.matrices import check_white
+    from ..transfer.matrices import transfer
+    from ..transfer.white import estimate_white, settle_white
 
     if options.width < 4 or options.width % 2:
         raise InputError("--width", f"{options.width} pixels", "give an even number of at least 4")
     panorama = read_panorama(options.sky)
-    if options.white is not None:
-        panorama.rgb[...] *= check_white(options.white).astype(panorama.rgb.dtype)
     light = analyse(panorama, options.degree)
+    white, note = settle_white(options.white, lambda: estimate_white(light, transfer()))
+    if white is not None:
+        panorama.rgb[...] *= np.array(white, panorama.rgb.dtype)
+        light = analyse(panorama, options.degree)
     write_panorama(options.out, irradiance_map(light.sky, options.width))
     if options.map is not None:
         write_png(options.map, light.outside.picture(panorama.rgb))
+    report = light.report()
+    notes = [*report["notes"], note] if note else report["notes"]
     if options.json:
-        print(json.dumps({"sky": options.sky, "white": options.white, **light.report()}, indent=1))
+        result = {"sky": options.sky, "white": white, **report, "notes": notes}
+        print(json.dumps(result, indent=1))
         return
     fit = light.fit
     print(f"degree {fit.degree} leaves {100 * fit.errors[fit.degree].worst:.2f} % at worst")
-    for line in (*light.notes, light.caption):
+    for line in (*notes, light.caption):
         print(line)
