@@ -22,8 +22,9 @@ _ROWS = 256
 """Finer skies are looked at in blocks: there a camera's noise is no longer a colour of its own."""
 
 _SOME = 0.1
-"""Foreign light that is worth a word. Light off leaves leaves a matrix 3 CIEDE2000 off in the mean
-(see tests/stability); a tenth of it, 0.3: what the model leaves of a sky's own light."""
+"""Foreign light that is worth a word. Light off leaves alone leaves a matrix 4 CIEDE2000 off in the
+mean (see tests/stability), a tenth of it among skylight a quarter: more than the sky itself does.
+"""
 
 _MARKS = {GROUND: (150.0, 150.0, 150.0), FOREIGN: (204.0, 60.0, 160.0)}
 _SUN_MARK = (240.0, 228.0, 66.0)
