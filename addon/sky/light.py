@@ -70,7 +70,9 @@ class SkyLight:
         notes = list(self.signs)
         if self.negatives:
             notes.append(f"{self.negatives} negative value(s) were set to zero")
-        if self.sun is not None and self.sun.clipped:
+        if self.sun is None:
+            notes.append("no sun was found: a sky by day is expected; tell a low sun's elevation")
+        elif self.sun.clipped:
             notes.append("the HDRI clipped the sun: it was brighter than that")
         return notes if self.outside.holds else [*notes, self.outside.verdict]
 
