@@ -37,7 +37,7 @@ def basis_functions(stem: Path, bases: Mapping[str, NDArray[np.float64]]) -> lis
 
     That is what of a basis matters, and what makes different ones comparable.
     """
-    figure = _figure(4.2 * len(bases), 3.6)
+    figure = new_figure(4.2 * len(bases), 3.6)
     axes = figure.subplots(1, len(bases), sharey=True, squeeze=False)[0]
     for axis, (name, functions) in zip(axes, bases.items(), strict=True):
         for values, colour, channel in zip(functions.T, _CHANNELS, "rgb", strict=True):
@@ -50,7 +50,7 @@ def basis_functions(stem: Path, bases: Mapping[str, NDArray[np.float64]]) -> lis
     margin = 0.15 * np.ptp(shown)
     axes[0].set(ylabel="per unit of channel", ylim=(shown.min() - margin, shown.max() + margin))
     axes[0].legend(frameon=False)
-    return _write(figure, stem)
+    return write(figure, stem)
 
 
 def error_over_day(stem: Path, days: Mapping[str, tuple[Day, Sequence[Errors]]]) -> list[Path]:
@@ -58,7 +58,7 @@ def error_over_day(stem: Path, days: Mapping[str, tuple[Day, Sequence[Errors]]])
 
     ``days``: by caption, the light and the errors under all of it, patch 1 first.
     """
-    figure = _figure(5.2 * len(days), 4.4)
+    figure = new_figure(5.2 * len(days), 4.4)
     axes = figure.subplots(1, len(days), sharey=True, squeeze=False)[0]
     for axis, (caption, (day, errors)) in zip(axes, days.items(), strict=True):
         for method in errors:
@@ -70,12 +70,12 @@ def error_over_day(stem: Path, days: Mapping[str, tuple[Day, Sequence[Errors]]])
         axis.set_xlim(day.hours[0] - 0.5, day.hours[-1] + 0.5)
     axes[0].set_ylabel("relative error, patch 1, face up")
     _legend_below(figure, axes[0])
-    return _write(figure, stem)
+    return write(figure, stem)
 
 
 def table(stem: Path, patches: Sequence[str], errors: Sequence[Errors], title: str) -> list[Path]:
     """Draw mean relative errors over the day, patches down, faces across, one panel a method."""
-    figure = _figure(4.4 * len(errors) + 1.2, 7.2)
+    figure = new_figure(4.4 * len(errors) + 1.2, 7.2)
     axes = figure.subplots(1, len(errors), sharey=True, squeeze=False)[0]
     for axis, method in zip(axes, errors, strict=True):
         mean = by_face(method).mean(axis=0).T
@@ -91,12 +91,12 @@ def table(stem: Path, patches: Sequence[str], errors: Sequence[Errors], title: s
         axis.set_xticks(range(len(FACE_NAMES)), FACE_NAMES, rotation=60, ha="right", fontsize=7)
         axis.set_yticks(range(len(patches)), patches, fontsize=7)
     figure.suptitle(title, fontsize=10)
-    return _write(figure, stem)
+    return write(figure, stem)
 
 
 def distribution(stem: Path, errors: Sequence[Errors], title: str) -> list[Path]:
     """Draw for each method which share of lights and materials stays under which CIEDE2000."""
-    figure = _figure(7.2, 5.2)
+    figure = new_figure(7.2, 5.2)
     axis = figure.subplots()
     share = np.linspace(0.0, 100.0, 400)
     for method in errors:
@@ -108,7 +108,7 @@ def distribution(stem: Path, errors: Sequence[Errors], title: str) -> list[Path]
     axis.set(xscale="log", xlabel="CIEDE2000", ylabel="% of lights and materials", title=title)
     axis.set_xlim(left=0.01)
     _legend_below(figure, axis)
-    return _write(figure, stem)
+    return write(figure, stem)
 
 
 def by_face(method: Errors) -> NDArray[np.float64]:
@@ -116,12 +116,13 @@ def by_face(method: Errors) -> NDArray[np.float64]:
     return method.relative.reshape(-1, len(FACE_NAMES), method.relative.shape[1])
 
 
-def _figure(width: float, height: float) -> Any:
+def new_figure(width: float, height: float) -> Any:
+    """Return an empty figure [inches]. Raises `InputError` where matplotlib is missing."""
     try:
         from matplotlib.figure import Figure
     except ImportError as error:
         raise InputError(
-            "evaluate", "its figures need matplotlib", "pip install matplotlib"
+            "matplotlib", "is needed to draw figures", "pip install matplotlib"
         ) from error
     return Figure(figsize=(width, height), layout="constrained")
 
@@ -131,7 +132,7 @@ def _legend_below(figure: Any, axis: Any) -> None:
     figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False, fontsize=8)
 
 
-def _write(figure: Any, stem: Path) -> list[Path]:
+def write(figure: Any, stem: Path) -> list[Path]:
     """Write a figure as PNG and SVG, the same bytes each time."""
     import matplotlib
 

@@ -89,7 +89,7 @@ def evaluate(
         raise InputError("daylight", "a spectrum holds no light", "leave it out")
     lights = lights / luminance[:, None]
     # Each light is a sky of its own: what a method is told, it is told of that light.
-    elevations = _one_each(sun_elevation, len(lights))
+    elevations = one_each(sun_elevation, len(lights))
     skies = [Sky(light[None], e, camera) for light, e in zip(lights, elevations, strict=True)]
     methods = [METHODS[name] for name in TODAY]
     for basis in bases:
@@ -116,7 +116,11 @@ def errors_of(
         yield Errors(method.name, *errors)
 
 
-def _one_each(sun_elevation: ArrayLike | None, count: int) -> list[float] | list[None]:
+def one_each(sun_elevation: ArrayLike | None, count: int) -> list[float] | list[None]:
+    """Return an elevation for each of ``count`` lights, from one for all or from as many.
+
+    Raises `InputError` for another number of them.
+    """
     if sun_elevation is None:
         return [None] * count
     elevations = np.ravel(np.asarray(sun_elevation, dtype=float))

@@ -82,7 +82,7 @@ def figure1(out: Path, bases: Sequence[str]) -> list[Path]:
     rows = np.column_stack([WAVELENGTHS, *functions.values()])
     return [
         *charts.basis_functions(out / "figure1", functions),
-        _write_csv(out / "figure1.csv", header, rows.tolist()),
+        write_csv(out / "figure1.csv", header, rows.tolist()),
     ]
 
 
@@ -145,7 +145,7 @@ def report_light(
     title = f"{light.path.stem}: {len(light.values)} spectra, {len(rho)} materials"
     files = [
         *charts.distribution(out / "daylight", errors, title),
-        _write_csv(out / "daylight.csv", header, rows),
+        write_csv(out / "daylight.csv", header, rows),
     ]
     return {
         "daylight": str(light.path),
@@ -182,7 +182,7 @@ def _write_table(path: Path, day: Day, names: Sequence[str], errors: Sequence[Er
         for f, face in enumerate(FACE_NAMES)
         for m, name in enumerate(names)
     )
-    return _write_csv(path, header, rows)
+    return write_csv(path, header, rows)
 
 
 def _write_figure2(path: Path, days: dict[str, tuple[Day, list[Errors]]]) -> Path:
@@ -192,10 +192,11 @@ def _write_figure2(path: Path, days: dict[str, tuple[Day, list[Errors]]]) -> Pat
         first = np.stack([charts.by_face(method)[:, 0, 0] for method in errors], axis=-1)
         for hour, elevation, values in zip(day.hours, day.elevations, first, strict=True):
             rows.append([air, f"{hour:.4g}", f"{elevation:.3f}", *values])
-    return _write_csv(path, header, rows)
+    return write_csv(path, header, rows)
 
 
-def _write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:
+def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:
+    """Write a table, floats to six digits, and return its path."""
     with path.open("w", newline="", encoding="utf-8") as handle:
         writer = csv.writer(handle)
         writer.writerow(header)

@@ -1,0 +1,106 @@
+"""`chart`: accuracy against speed, of every method."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from typing import Any
+
+from ..errors import InputError
+
+
+def add(commands: Any) -> None:
+    """Add the command to those of the parser."""
+    parser = commands.add_parser("chart", help="accuracy against speed, of every method")
+    parser.add_argument("--out", required=True, metavar="DIR", help="picture and tables go here")
+    parser.add_argument(
+        "--skies",
+        nargs="+",
+        type=float,
+        metavar="DEG",
+        help="sun elevations of the skies; default: -4 0 5 15 30 60",
+    )
+    parser.add_argument(
+        "--reflectances", nargs="+", metavar="FILE.csv", help="default: the ColorChecker"
+    )
+    parser.add_argument("--unit", choices=("percent", "fraction"), help="of the reflectances")
+    parser.add_argument(
+        "--basis", nargs="+", default=[], metavar="NAME", help="further ones: 'measured FILE.csv'"
+    )
+    parser.add_argument("--rounds", type=int, default=15, metavar="N", help="of each timing")
+    parser.add_argument(
+        "--eevee", type=int, default=3, metavar="N", help="rounds of renders; 0: none"
+    )
+    parser.add_argument("--json", action="store_true", help="print the summary as JSON")
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Measure every method, write picture and tables, and print them."""
+    from pathlib import Path
+
+    import numpy as np
+
+    from ..spectra.reflectance import read_reflectances
+    from ..transfer.chart import ELEVATIONS, full_skies, rows
+    from ..transfer.chart_report import report_chart
+    from ..transfer.charts import new_figure
+    from ..transfer.evaluation import colorchecker
+    from ..transfer.methods import METHODS, with_basis
+
+    if not 1 <= options.rounds <= 1000:
+        raise InputError("--rounds", f"{options.rounds}", "give 1 to 1000")
+    if not 0 <= options.eevee <= 100:
+        raise InputError("--eevee", f"{options.eevee} rounds", "give 0 to 100")
+    new_figure(1.0, 1.0)  # rather now than after minutes
+    rho = colorchecker()[1]
+    if options.reflectances:
+        read = [read_reflectances(file, options.unit) for file in options.reflectances]
+        rho = np.concatenate([one.values for one in read])
+    further = (with_basis(name) for name in options.basis)
+    methods = {**METHODS, **{method.name: method for method in further}}
+    watched = sys.stderr.isatty()
+    skies = full_skies(options.skies or ELEVATIONS, watched)
+    found = rows(skies, rho, rounds=options.rounds, methods=methods, progress=watched)
+    costs, blender = _eevee(options.eevee) if options.eevee else ({}, None)
+    result = report_chart(Path(options.out), found, skies, rho, costs, blender)
+    if options.json:
+        print(json.dumps(result, indent=1, allow_nan=False))
+        return
+    for record in result["methods"]:
+        print(
+            f"{record['kind']:9}{record['method']:34}CIEDE2000 {record['mean_delta_E']:7.3f} mean"
+            f"{record['p95_delta_E']:8.3f} p95{record['max_delta_E']:8.3f} max"
+            f"{record['ns_per_pixel']:9.2f} ns{'  on the front' if record['on_front'] else ''}"
+        )
+    for record in result["eevee"]:
+        print(f"Eevee    {record['material']:34}{record['ratio']:7.3f} of Diffuse")
+    for path in result["files"]:
+        print(path)
+
+
+def _eevee(rounds: int) -> tuple[dict[str, dict[str, float]], str | None]:
+    """Return what a sample of each material costs in Eevee, and Blender's version, if it is here.
+
+    Ratios are of processor time, which other work on the machine hardly touches.
+    """
+    try:
+        from ..scene import cost
+    except ImportError:
+        print("Eevee is not measured: there is no Blender (pip install bpy)", file=sys.stderr)
+        return {}, None
+    found: dict[str, cost.Cost] = {}
+    for turn, found in enumerate(cost.sample_costs(rounds=rounds), 1):  # noqa: B007
+        if sys.stderr.isatty():
+            print(f"Eevee: round {turn} of {rounds}", file=sys.stderr)
+    costs = {}
+    for name, one in found.items():
+        (wall, processor), (wall_ratio, ratio) = one.milliseconds, one.ratio
+        costs[name] = {
+            "ratio": ratio,
+            "wall_ratio": wall_ratio,
+            "ms_processor": processor,
+            "ms_wall": wall,
+        }
+    return costs, cost.blender_version()

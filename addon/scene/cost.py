@@ -1,0 +1,141 @@
+"""What an Eevee sample of each kind of material costs, beside one of plain Diffuse.
+
+One plane fills the picture. The cost of a sample is the difference between renders of many and of
+few, per sample: what a render costs whatever its samples drops out. Rounds take all materials in
+turn, for other work on the machine hits all. Two clocks: the wall's, and the processor time of this
+process, which on a software OpenGL is the whole cost and blind to what else the machine does.
+"""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..sky.panorama import write_panorama
+from . import materials, nodes, render, sky_light
+from . import world as worlds
+
+OURS = "Skylight Surface"
+"""All degrees, and scalar, diagonal and 3x3 alike: one topology, whose values alone change."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """Times of one sample [s] in each round, (rounds, 2): wall and processor; ratios to Diffuse."""
+
+    seconds: NDArray[np.float64]
+    to_diffuse: NDArray[np.float64]
+
+    @property
+    def milliseconds(self) -> tuple[float, float]:
+        """Median of wall and of processor time of a sample [ms]."""
+        wall, processor = 1e3 * np.median(self.seconds, axis=0)
+        return float(wall), float(processor)
+
+    @property
+    def ratio(self) -> tuple[float, float]:
+        """Median over the rounds of the ratio to Diffuse, by wall and by processor time."""
+        wall, processor = np.median(self.to_diffuse, axis=0)
+        return float(wall), float(processor)
+
+
+def sample_costs(
+    size: int = 256, samples: tuple[int, int] = (1, 5), rounds: int = 5
+) -> Iterator[dict[str, Cost]]:
+    """Yield after each round the cost of every material so far: Diffuse, Principled, Emission,
+    an irradiance texture looked up by the normal, and `OURS`.
+
+    Renders ``size`` by ``size`` pixels with few and many ``samples``, in a scene of its own, which
+    goes again.
+    """
+    scene = bpy.data.scenes.new("Cost")
+    plane = bpy.data.meshes.new("Cost")
+    plane.from_pydata([(-2, -2, 0), (2, -2, 0), (2, 2, 0), (-2, 2, 0)], [], [(0, 1, 2, 3)])
+    camera = bpy.data.cameras.new("Cost")
+    camera.type, camera.ortho_scale = "ORTHO", 2.0
+    for data in (plane, camera):
+        scene.collection.objects.link(bpy.data.objects.new("Cost", data))
+    shown, scene.camera = scene.collection.objects
+    scene.camera.location = (0.0, 0.0, 10.0)
+    plane.materials.append(None)
+    scene.render.engine = render.engine_id("eevee")
+    scene.render.resolution_x = scene.render.resolution_y = size
+
+    def seconds(material: bpy.types.Material, count: int) -> NDArray[np.float64]:
+        shown.material_slots[0].material = material
+        scene.eevee.taa_render_samples = count
+        start = np.array([time.perf_counter(), time.process_time()])
+        bpy.ops.render.render(scene=scene.name)
+        return np.array([time.perf_counter(), time.process_time()]) - start
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "sky.exr"
+        write_panorama(path, np.ones((8, 16, 3)))
+        world = worlds.set_sky(scene, path)
+        kinds = {
+            "Diffuse": _plain("ShaderNodeBsdfDiffuse"),
+            "Principled": _plain("ShaderNodeBsdfPrincipled"),
+            "Emission": _plain("ShaderNodeEmission"),
+            "irradiance texture": _texture(worlds.sky_of(world).image),
+            OURS: _ours(world),
+        }
+        try:
+            for material in kinds.values():
+                seconds(material, 1)  # compiles
+            found: dict[str, list[NDArray]] = {name: [] for name in kinds}
+            for _ in range(rounds):
+                for name, material in kinds.items():
+                    few, many = (seconds(material, count) for count in samples)
+                    found[name].append((many - few) / (samples[1] - samples[0]))
+                base = np.array(found["Diffuse"])
+                yield {name: Cost(np.array(t), np.array(t) / base) for name, t in found.items()}
+        finally:
+            bpy.data.batch_remove([*kinds.values(), shown, scene.camera, plane, camera])
+            bpy.data.scenes.remove(scene)
+
+
+def blender_version() -> str:
+    """Return the version of the Blender that this is."""
+    return bpy.app.version_string
+
+
+def _material(name: str) -> bpy.types.Material:
+    material = bpy.data.materials.new(name)
+    nodes.use(material)
+    material.node_tree.nodes.clear()
+    return material
+
+
+def _plain(shader: str) -> bpy.types.Material:
+    material = _material(shader)
+    tree = material.node_tree
+    node, output = tree.nodes.new(shader), tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(node.outputs[0], output.inputs["Surface"])
+    return material
+
+
+def _texture(image: bpy.types.Image) -> bpy.types.Material:
+    material = _plain("ShaderNodeEmission")
+    tree = material.node_tree
+    normal, lookup = (
+        tree.nodes.new(kind) for kind in ("ShaderNodeNewGeometry", "ShaderNodeTexEnvironment")
+    )
+    lookup.image = image
+    tree.links.new(normal.outputs["Normal"], lookup.inputs["Vector"])
+    emission = next(node for node in tree.nodes if node.type == "EMISSION")
+    tree.links.new(lookup.outputs["Color"], emission.inputs["Color"])
+    return material
+
+
+def _ours(world: bpy.types.World) -> bpy.types.Material:
+    material = bpy.data.materials.new(OURS)
+    materials.apply(material, world, 0.5 * np.eye(3), reflectance_name="", reflectance_hash="")
+    sky_light.set_coefficients(world, np.full((49, 3), 0.02))
+    return material
