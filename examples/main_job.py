@@ -93,13 +93,14 @@ class MainJob:
             rows.append(",".join(f"{value:g}" for value in (wavelength, *values)))
         self.csv.write_text("\n".join(rows) + "\n", encoding="utf-8")
         self.checker = read_reflectances(self.csv)
-        self.transfer = transfer()
+        elevation = self.light.sun_elevation()
+        self.transfer = transfer("atmosphere", sun_elevation=elevation, sky_rgb=self.light.faces)
         matrices = self.transfer.matrices(self.checker.values)
         (self.out / "matrices.json").write_text(
             json.dumps(dict(zip(self.checker.names, matrices.tolist(), strict=True)), indent=1)
         )
         self.albedos = rgb_albedo(self.checker.values)
-        self.prediction = predict(self.transfer, self.checker.values, self.light.faces)
+        self.prediction = predict(self.transfer, self.checker.values, self.light.faces, elevation)
 
     def build_scenes(self) -> None:
         import scenes

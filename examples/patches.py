@@ -38,7 +38,9 @@ def measure(
             "predicted_delta_E": {
                 "spectral": float(prediction.matrix[k]),
                 "today": float(prediction.rgb[k]),
-            },
+            }
+            if prediction.known
+            else None,
             "out_of_gamut": bool(prediction.out_of_gamut[k]),
         }
         if reference is not None:
@@ -56,6 +58,8 @@ def measure(
 def write_report(out: Path, rows: list[dict], light: SkyLight, sky: str) -> list[str]:
     """Write ``report.json`` and ``report.txt``; return the sentences that sum them up."""
     measured = "delta_E_spectral" in rows[0]
+    if not measured and rows[0]["predicted_delta_E"] is None:
+        return _write_unknown(out, rows, light, sky)
     inside = [row for row in rows if not row["out_of_gamut"]]
     outside = [row["patch"] for row in rows if row["out_of_gamut"]]
     means = _means(rows, measured)
@@ -81,6 +85,17 @@ def write_report(out: Path, rows: list[dict], light: SkyLight, sky: str) -> list
         "mean_ratio": ratio,
     }
     table = [_header(measured), *(_line(row, measured) for row in rows)]
+    lines = [f"Sky: {sky}", light.caption, "", *table, "", *summary]
+    (out / "report.json").write_text(json.dumps(report, indent=1), encoding="utf-8")
+    (out / "report.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return summary
+
+
+def _write_unknown(out: Path, rows: list[dict], light: SkyLight, sky: str) -> list[str]:
+    """The report of a sky that no error can be predicted of."""
+    summary = ["No error can be predicted for this sky: " + light.outside.verdict]
+    report = {"sky": light.report(), "patches": rows, "means": None, "mean_ratio": None}
+    table = [f"{row['patch']:<22} {_rgb(row['rendered_rgb'])}" for row in rows]
     lines = [f"Sky: {sky}", light.caption, "", *table, "", *summary]
     (out / "report.json").write_text(json.dumps(report, indent=1), encoding="utf-8")
     (out / "report.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")

@@ -31,7 +31,7 @@ MODULES_OF = {
     "errors": set(),
     "spectra": {"numpy", "colour", "scipy"},
     "sky": {"numpy", "OpenEXR", "pvlib", "scipy", "tqdm"},
-    "transfer": {"numpy", "colour", "matplotlib", "tqdm"},
+    "transfer": {"numpy", "colour", "matplotlib", "scipy", "tqdm"},
     "node_groups": {"bpy"},
     "scene": {"bpy", "mathutils", "numpy"},
     "ui": {"bpy"},

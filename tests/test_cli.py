@@ -40,7 +40,7 @@ def test_matrix_prints_json_in_column_order(capsys, csv):
     result = json.loads(out)
     assert code == 0
     assert [m["name"] for m in result["materials"]] == ["red", "grey", "red", "grey"]
-    assert result["basis"] == "rayleigh" and result["space"] == "Linear Rec.709"
+    assert result["basis"] == "atmosphere" and result["space"] == "Linear Rec.709"
     np.testing.assert_allclose(result["materials"][1]["matrix"], 0.5 * np.eye(3), atol=1e-12)
 
 
@@ -64,7 +64,27 @@ def test_matrix_predicts_under_a_sky(capsys, csv, sky):
 
 def test_matrix_for_people(capsys, csv, sky):
     code, out, err = run(capsys, "matrix", csv, "--sky", sky)
-    assert code == 0 and "RGB is off by ΔE" in out and "read as fraction" in err
+    assert code == 0 and "3x3, ΔE 0." in out and "RGB would be" in out
+    assert "read as fraction" in err
+
+
+def test_matrix_with_a_tolerance_takes_the_least_model(capsys, csv, sky):
+    command = ("matrix", csv, "--sky", sky, "--tolerance")
+    for options, models, basis in (
+        ([], ["3x3", "scalar"], "atmosphere"),  # red keeps to 0.5 with neither basis
+        ([60], ["scalar", "scalar"], "rayleigh"),
+        ([60, "--basis", "daylight"], ["scalar", "scalar"], "daylight"),
+    ):
+        found = json.loads(run(capsys, *command, *options, "--json")[1])
+        assert [m["model"] for m in found["materials"]] == models and found["basis"] == basis
+    M = np.array(found["materials"][0]["matrix"])
+    np.testing.assert_allclose(M, M[0, 0] * np.eye(3), atol=1e-12)
+
+
+def test_a_sky_of_no_sky_s_colour_is_unknown(capsys, csv):
+    found = json.loads(run(capsys, "matrix", csv, "--sky-rgb", "0.1,1,0.1", "--json")[1])
+    red = found["materials"][0]
+    assert "predicted_delta_E" not in red and "no colour of skylight" in red["unknown"]
 
 
 def test_sky_writes_rgb_and_spectrum(capsys, tmp_path):
@@ -102,6 +122,7 @@ WRONG = {
     "no file": (["matrix"], "required"),
     "missing file": (["matrix", "none.csv", "--json"], "none.csv"),
     "unknown basis": (["matrix", "CSV", "--basis", "fourier"], "rayleigh"),
+    "tolerance of nothing": (["matrix", "CSV", "--tolerance", "0"], "above 0"),
     "unknown space": (["matrix", "CSV", "--space", "sRGB"], "ACEScg"),
     "unknown camera": (["matrix", "CSV", "--camera", "Brownie"], "Nikon 5100"),
     "white of two numbers": (["matrix", "CSV", "--white", "1,2"], "R,G,B"),
@@ -142,6 +163,6 @@ def test_wrong_usage_and_bad_input_are_one_line_and_code_2(
 
 def test_help_is_no_error(capsys):
     assert run(capsys, "--help")[0] == 0
-    for command in ("matrix", "sky", "irradiance", "apply", "render"):
+    for command in ("matrix", "sky", "irradiance", "apply", "render", "evaluate", "chart"):
         code, out, _ = run(capsys, command, "--help")
         assert code == 0 and "usage" in out

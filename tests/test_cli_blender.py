@@ -76,14 +76,17 @@ def rendered(applied):
 
 def test_picture_is_matrix_times_irradiance(rendered, folder):
     from spectral_skylight.addon.sky.irradiance import exact_irradiance
+    from spectral_skylight.addon.sky.light import analyse
     from spectral_skylight.addon.sky.panorama import read_panorama
     from spectral_skylight.addon.spectra.reflectance import read_reflectances
     from spectral_skylight.addon.transfer.matrices import transfer
 
     image = read(rendered)
     assert image.shape == (SIZE, SIZE, 3) and rendered.with_suffix(".png").stat().st_size > 0
-    E = exact_irradiance(read_panorama(folder / "sky.exr").rgb, [[0, 0, 1]])[0]
-    M = transfer().matrices(read_reflectances(folder / "paint.csv").values)
+    sky = analyse(read_panorama(folder / "sky.exr"))
+    E = exact_irradiance(sky.sky, [[0, 0, 1]])[0]
+    known = {"sun_elevation": sky.sun_elevation(), "sky_rgb": sky.faces}
+    M = transfer("atmosphere", **known).matrices(read_reflectances(folder / "paint.csv").values)
     # The polynomial may leave 1 %; half floats in the picture 0.05 %.
     for column, matrix in ((SIZE // 4, M[0]), (3 * SIZE // 4, M[1])):
         np.testing.assert_allclose(image[SIZE // 2, column], matrix @ E, rtol=0.011)

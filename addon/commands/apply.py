@@ -6,7 +6,7 @@ import argparse
 from typing import Any
 
 from ..errors import InputError
-from .arguments import add_matrix_options
+from .arguments import add_matrix_options, basis_name
 
 
 def add(commands: Any) -> None:
@@ -39,6 +39,7 @@ def run(options: argparse.Namespace) -> None:
     """Write the blend file, and print what each material was given."""
     from ..scene import files, spectral, working_space
     from ..spectra.reflectance import read_assigned
+    from ..transfer.white import AUTO
 
     reflectances = {}
     for material, text in options.assign:
@@ -46,10 +47,11 @@ def run(options: argparse.Namespace) -> None:
             raise InputError(f"--assign {material}", "is given twice", "give each material once")
         reflectances[material] = read_assigned(text, options.unit)
     settings = spectral.Settings(
-        basis=options.basis,
+        basis=basis_name(options),
         camera=options.camera,
-        white=options.white,
+        white=None if options.white == AUTO else options.white,
         sun_elevation=options.sun_elevation,
+        tolerance=options.tolerance,
     )
     scene = files.open_scene(options.scene)
     if options.space not in (None, working_space.name()):
@@ -60,10 +62,15 @@ def run(options: argparse.Namespace) -> None:
         )
     if options.sky is not None:
         spectral.set_sky(scene, options.sky, settings)
+    said = []
+    if options.white == AUTO:
+        settings, line = spectral.with_estimated_white(scene.world, settings)
+        said.append(line)
     targets = {files.material(name): given for name, given in reflectances.items()}
     world = spectral.develop(scene, settings)
     light, results = spectral.make_spectral(world, targets, settings)
     files.save(options.out)
     for result in results:
         print(result.line)
-    print(light.caption)
+    for line in (*said, *light.notes, light.caption):
+        print(line)

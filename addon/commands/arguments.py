@@ -14,6 +14,22 @@ def three(text: str) -> tuple[float, float, float]:
     return r, g, b
 
 
+def positive(text: str) -> float:
+    """Return a number above 0."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not value > 0.0:
+        raise argparse.ArgumentTypeError(f"'{text}' is no number above 0")
+    return value
+
+
+def basis_name(options: argparse.Namespace) -> str:
+    """Return the basis that was asked for, or the one that its absence stands for."""
+    return str(options.basis or ("atmosphere" if options.tolerance is None else "simplest"))
+
+
 def white_or_auto(text: str) -> tuple[float, float, float] | str:
     """Return the three numbers of ``R,G,B``, or ``auto``."""
     return text if text == "auto" else three(text)
@@ -23,15 +39,26 @@ def add_matrix_options(parser: argparse.ArgumentParser) -> None:
     """Add what decides a material's matrix, but for the sky."""
     parser.add_argument(
         "--basis",
-        default="rayleigh",
         metavar="NAME",
-        help="rayleigh, daylight, atmosphere or 'measured FILE.csv'",
+        help="atmosphere (the default), rayleigh, daylight, 'measured FILE.csv', or simplest: of "
+        "rayleigh and atmosphere the first that keeps to the tolerance (the default with one)",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=positive,
+        nargs="?",
+        const=0.5,
+        metavar="CIEDE2000",
+        help="choose for each material the least model that keeps to it (0.5 without a number)",
     )
     parser.add_argument(
         "--sun-elevation", type=float, metavar="DEG", help="default: where the HDRI has it"
     )
     parser.add_argument("--camera", metavar="NAME|FILE", help="what took a raw HDRI")
     parser.add_argument(
-        "--white", type=three, metavar="R,G,B", help="neutral light before white balance"
+        "--white",
+        type=white_or_auto,
+        metavar="R,G,B|auto",
+        help="neutral light before white balance; auto: estimated from the sky",
     )
     parser.add_argument("--unit", choices=("percent", "fraction"), help="of the reflectances")

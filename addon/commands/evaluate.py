@@ -7,13 +7,32 @@ import json
 import sys
 from typing import Any
 
+from ..errors import InputError
+from .arguments import positive
+
 
 def add(commands: Any) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("evaluate", help="errors over a day, or under measured light")
-    parser.add_argument("--out", required=True, metavar="DIR", help="figures and tables go here")
+    parser.add_argument("--out", metavar="DIR", help="figures and tables go here")
     parser.add_argument(
-        "--daylight", metavar="FILE.csv", help="spectra of light, instead of a simulated day"
+        "--daylight",
+        nargs="+",
+        metavar="FILE.csv",
+        help="spectra of light, instead of a simulated day",
+    )
+    parser.add_argument(
+        "--predicted",
+        action="store_true",
+        help="how well predicted errors hold under that light: a sky each column, or all columns "
+        "SKY@FACE one; one file a site",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=positive,
+        default=0.5,
+        metavar="CIEDE2000",
+        help="of the models that --predicted chooses, default 0.5",
     )
     parser.add_argument(
         "--sun-elevation",
@@ -62,16 +81,23 @@ def run(options: argparse.Namespace) -> None:
         read = [read_reflectances(file, options.unit) for file in options.reflectances]
         names = tuple(name for one in read for name in one.names)
         values = np.concatenate([one.values for one in read])
+    if options.predicted:
+        _print_predicted(options, values)
+        return
+    if options.out is None:
+        raise InputError("--out", "is missing", "give a folder for figures and tables")
     if options.daylight:
+        if len(options.daylight) > 1:
+            raise InputError("--daylight", "more than one file", "give one, or --predicted")
         result = report_light(
             Path(options.out),
-            read_light(options.daylight),
+            read_light(options.daylight[0]),
             values,
             bases,
             sun_elevation=options.sun_elevation,
             camera=options.camera,
         )
-        groups = {options.daylight: result["methods"]}
+        groups = {options.daylight[0]: result["methods"]}
     else:
         place = (options.date, options.latitude, options.longitude, options.timezone)
         result = report_day(
@@ -96,3 +122,50 @@ def run(options: argparse.Namespace) -> None:
             print(f"  {method['method']:38} {numbers[0]}           {numbers[1]}")
     for path in result["files"]:
         print(path)
+
+
+def _print_predicted(options: argparse.Namespace, rho: Any) -> None:
+    """Print how well predictions hold, of each site and of all together."""
+    from pathlib import Path
+
+    from ..spectra.light import read_light
+    from ..transfer.calibration import calibrate, joined
+
+    if not options.daylight:
+        raise InputError("--predicted", "there is no measured light", "give --daylight FILE.csv")
+    basis = (options.basis or ["atmosphere"])[0]
+    sites = {}
+    for file in options.daylight:
+        light = read_light(file)
+        sites[file] = calibrate(
+            light.values,
+            rho,
+            options.sun_elevation,
+            basis=basis,
+            camera=options.camera,
+            skies=_skies(light.names),
+            tolerance=options.tolerance,
+        )
+    result = {
+        "basis": basis,
+        "sites": {file: site.report() for file, site in sites.items()},
+        "all": joined(sites.values()).report(),
+    }
+    if options.out is not None:
+        out = Path(options.out)
+        out.mkdir(parents=True, exist_ok=True)
+        (out / "predicted.json").write_text(json.dumps(result, indent=1), encoding="utf-8")
+    if options.json:
+        print(json.dumps(result, indent=1, allow_nan=False))
+        return
+    print(f"{'predicted errors':40}   cases covered   sharp    rank unknown    kept")
+    for name, found in (*result["sites"].items(), ("all", result["all"])):
+        keys = ("covered", "sharpness", "rank_correlation", "unknown", "tolerance_kept")
+        figures = ("-" if found[key] is None else f"{found[key]:.3f}" for key in keys)
+        numbers = " ".join(f"{figure:>7}" for figure in figures)
+        print(f"  {Path(name).name:38} {found['cases']:7} {numbers}")
+
+
+def _skies(names: tuple[str, ...]) -> list[str]:
+    """Columns ``SKY@FACE`` are faces of one sky, others skies of their own."""
+    return [name.partition("@")[0] if "@" in name else f"@{k}" for k, name in enumerate(names)]

@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from functools import partial
 from typing import Any
 
-from .arguments import add_matrix_options, three
+from ..errors import InputError
+from .arguments import add_matrix_options, basis_name, three
 
 
 def add(commands: Any) -> None:
@@ -32,59 +34,74 @@ def run(options: argparse.Namespace) -> None:
     from ..sky.light import analyse
     from ..sky.panorama import read_panorama
     from ..spectra.reflectance import read_reflectances
+    from ..spectra.sensitivities import camera, observer
     from ..spectra.working_spaces import rec709_to_working
+    from ..transfer.choice import choose_with
     from ..transfer.matrices import transfer
-    from ..transfer.prediction import predict
+    from ..transfer.white import AUTO, estimate_white, settle_white
 
-    lights = None
-    elevation = options.sun_elevation
+    lights, light, notes = None, None, []
+    white, elevation = options.white, options.sun_elevation
     if options.sky_rgb is not None:
         lights = np.array([options.sky_rgb])
     elif options.sky is not None:
-        light = analyse(read_panorama(options.sky))
+        S_in = observer() if options.camera is None else camera(options.camera)
+        if isinstance(white, tuple):
+            S_in = S_in / np.array(white)[:, None]
+        light = analyse(read_panorama(options.sky), S_in=S_in)
+        elevation = light.sun_elevation(elevation)
         lights = light.faces
         if options.camera is None:
             lights = lights @ rec709_to_working(options.space).T
-        if elevation is None and light.sun is not None:
-            elevation = light.sun.elevation
-    mapping = transfer(
-        options.basis,
+    mapping = partial(
+        transfer,
         camera=options.camera,
-        white=options.white,
         space=options.space,
         sun_elevation=elevation,
         sky_rgb=lights,
     )
+    if light is not None:
+        to_working = None if options.camera else rec709_to_working(options.space)
+        white, note = settle_white(
+            white, lambda: estimate_white(light, mapping("rayleigh"), elevation, to_working)
+        )
+        notes = [*light.notes, note] if note else light.notes
+    elif white == AUTO:
+        raise InputError("--white auto", "there is no sky to estimate it from", "give --sky HDRI")
+    mapping = partial(mapping, white=white)
+    files = [read_reflectances(file, options.unit) for file in options.files]
+    choice = choose_with(
+        mapping,
+        basis_name(options),
+        np.concatenate([read.values for read in files]),
+        lights,
+        elevation,
+        options.tolerance,
+    )
     materials: list[dict[str, Any]] = []
-    for file in options.files:
-        read = read_reflectances(file, options.unit)
-        prediction = None if lights is None else predict(mapping, read.values, lights)
-        for k, (name, M) in enumerate(zip(read.names, mapping.matrices(read.values), strict=True)):
+    for file, read in zip(options.files, files, strict=True):
+        for name in read.names:
+            k = len(materials)
             material: dict[str, Any] = {
                 "name": name,
-                "matrix": M.tolist(),
+                "matrix": choice.matrices[k].tolist(),
                 "file": str(file),
                 "unit": read.unit,
                 "notes": list(read.notes),
+                "model": choice.models[k],
             }
-            if prediction is not None:
-                if prediction.known:
-                    material["predicted_delta_E"] = {
-                        "rgb": float(prediction.rgb[k]),
-                        "matrix": float(prediction.matrix[k]),
-                    }
-                material["colour"] = prediction.colour[k].tolist()
-                material["out_of_gamut"] = bool(prediction.out_of_gamut[k])
-            materials.append(material)
+            materials.append(material | choice.report(k, name))
     result = {
         "materials": materials,
-        "basis": options.basis,
+        "basis": choice.transfer.basis,
         "space": options.space,
         "camera": options.camera,
-        "white": options.white,
+        "white": white,
         "sun_elevation": elevation,
         "sky": options.sky,
         "sky_rgb": options.sky_rgb,
+        "tolerance": options.tolerance,
+        "notes": notes,
     }
     if options.json:
         print(json.dumps(result, indent=1, allow_nan=False))
@@ -93,12 +110,8 @@ def run(options: argparse.Namespace) -> None:
         print(material["name"])
         for row in material["matrix"]:
             print("  " + " ".join(f"{value:10.6f}" for value in row))
-        if "predicted_delta_E" in material:
-            predicted = material["predicted_delta_E"]
-            print(
-                f"  RGB is off by ΔE {predicted['rgb']:.2f}, spectral by {predicted['matrix']:.2f}"
-            )
-            if material["out_of_gamut"]:
-                print("  its colour under this sky is out of gamut: Blender clamps it")
-    for note in dict.fromkeys(f"{m['file']}: {note}" for m in materials for note in m["notes"]):
+        if "line" in material:
+            print(f"  {material['line']}")
+    of_files = dict.fromkeys(f"{m['file']}: {note}" for m in materials for note in m["notes"])
+    for note in (*of_files, *notes):
         print(note, file=sys.stderr)

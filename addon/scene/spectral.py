@@ -6,7 +6,7 @@ The panel, the command line and scripts all call these functions.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +17,12 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..sky.light import SkyLight, analyse
 from ..sky.panorama import from_pixels, read_panorama
+from ..spectra import sensitivities
 from ..spectra.reflectance import reflectance_hash
+from ..spectra.working_spaces import rec709_to_working
+from ..transfer.choice import SIMPLEST, Choice, choose_with, lowest_degree, sky_line
 from ..transfer.matrices import Transfer, transfer
-from ..transfer.prediction import predict
+from ..transfer.white import AUTO, estimate_white, settle_white
 from . import materials, sky_light, working_space
 from . import settings as world_settings
 from . import world as worlds
@@ -27,50 +30,76 @@ from . import world as worlds
 
 @dataclass(frozen=True)
 class Settings:
-    """What made the HDRI's numbers, and the model of skylight: options of `transfer`."""
+    """What made the HDRI's numbers, the model of skylight, and how exact it has to be.
 
-    basis: str = "rayleigh"
+    All but the last are options of `transfer`; ``basis`` may be `SIMPLEST` too. With a
+    ``tolerance`` [CIEDE2000] each material gets the least model that keeps to it, and the sky the
+    lowest degree.
+    """
+
+    basis: str = "atmosphere"
     camera: str | None = None
     white: tuple[float, float, float] | None = None
     sun_elevation: float | None = None
+    tolerance: float | None = None
 
-    def transfer(self, light: SkyLight | None = None) -> Transfer:
+    def transfer(self, light: SkyLight | None = None, basis: str | None = None) -> Transfer:
         """Return the map from reflectances to matrices of the open file's working space.
 
-        ``light``: the sky, whose sun and colour the basis may be chosen by.
+        ``light``: the sky, whose sun and colour the basis may be chosen by. ``basis``: another one
+        than the settings', which are `atmosphere` as long as the simplest is not found.
         """
-        elevation = self.sun_elevation
-        if elevation is None and light is not None and light.sun is not None:
-            elevation = light.sun.elevation
+        if basis is None:
+            basis = "atmosphere" if self.basis == SIMPLEST else self.basis
         return transfer(
-            self.basis,
+            basis,
             camera=self.camera,
             white=self.white,
             space=working_space.name(),
-            sun_elevation=elevation,
+            sun_elevation=light.sun_elevation(self.sun_elevation) if light else self.sun_elevation,
             sky_rgb=None if light is None else light.faces,
+        )
+
+    @property
+    def sensors(self) -> NDArray[np.float64]:
+        """What made the HDRI's numbers as Blender has them, (3, 81), white balance and all."""
+        if self.camera is None:
+            S = sensitivities.observer(working_space.name())
+        else:
+            S = sensitivities.camera(self.camera)
+        return S if self.white is None else S / np.array(self.white)[:, None]
+
+    def choose(self, light: SkyLight, reflectances: NDArray[np.float64]) -> Choice:
+        """Return the models of reflectances (m, 81) under a sky."""
+        # A camera's World was developed by one basis already: its materials keep to that.
+        basis = "atmosphere" if self.camera and self.basis == SIMPLEST else self.basis
+        return choose_with(
+            lambda name: self.transfer(light, name),
+            basis,
+            reflectances,
+            light.faces,
+            light.sun_elevation(self.sun_elevation),
+            self.tolerance,
         )
 
 
 @dataclass(frozen=True)
 class Result:
-    """What one material was given: names, predicted CIEDE2000, and its colour under the sky."""
+    """What one material was given, and what is predicted of it under the sky.
+
+    ``model``: one of `choice.MODELS`; expected CIEDE2000 of today's way and of the model, and the
+    model's to count on (``bound``), NaN where unknown; ``line``: all that in words.
+    """
 
     material: str
     reflectance: str
+    model: str
     rgb_delta_E: float
     matrix_delta_E: float
+    bound: float
     colour: tuple[float, float, float]
     out_of_gamut: bool
-
-    @property
-    def line(self) -> str:
-        """One line for a person."""
-        text = (
-            f"{self.material}: {self.reflectance}. RGB is off by ΔE {self.rgb_delta_E:.1f}, "
-            f"spectral by {self.matrix_delta_E:.1f}"
-        )
-        return text + ("; out of gamut: Blender clamps it" if self.out_of_gamut else "")
+    line: str
 
 
 def set_sky(scene: bpy.types.Scene, path: str | Path, settings: Settings) -> bpy.types.World:
@@ -91,7 +120,7 @@ def develop(scene: bpy.types.Scene, settings: Settings) -> bpy.types.World:
     """
     if settings.camera is None:
         return worlds.develop(scene, np.eye(3))
-    return worlds.develop(scene, settings.transfer(_analyse(scene.world)).to_working)
+    return worlds.develop(scene, settings.transfer(_analyse(scene.world, settings)).to_working)
 
 
 def make_spectral(
@@ -107,10 +136,16 @@ def make_spectral(
     """
     for material in reflectances:
         materials.check_editable(material)
-    light = _analyse(world)
-    mapping = settings.transfer(light)
+    light = _analyse(world, settings)
     values = np.stack([rho for _, rho in reflectances.values()]) if reflectances else _NONE
-    prediction = predict(mapping, values, light.faces)
+    choice = settings.choose(light, values)
+    if settings.tolerance is not None:
+        to_rec709 = np.linalg.inv(rec709_to_working(choice.transfer.space))
+        to_rec709 = to_rec709 @ choice.transfer.to_working
+        light = lowest_degree(light, to_rec709, settings.tolerance)
+    if settings.white is None:
+        line = estimate_white(light, choice.transfer, settings.sun_elevation).line
+        light = replace(light, signs=(*light.signs, line)) if line else light
     world_settings.store(world, _plain(settings))
     sky_light.set_coefficients(world, light.fit.coefficients)
     sky_light.describe(
@@ -118,30 +153,46 @@ def make_spectral(
         {
             **light.report(),
             "settings": _plain(settings),
-            "space": mapping.space,
+            "space": choice.transfer.space,
             "image": worlds.sky_of(world).image.name,
+            "model": sky_line(choice, light),
         },
     )
+    prediction = choice.prediction
+    assert prediction is not None
     results = []
     for k, (material, (name, rho)) in enumerate(reflectances.items()):
+        expected, bound = choice.error(k)
         result = Result(
             material=material.name,
             reflectance=name,
+            model=choice.models[k],
             rgb_delta_E=float(prediction.rgb[k]),
-            matrix_delta_E=float(prediction.matrix[k]),
+            matrix_delta_E=expected,
+            bound=bound,
             colour=tuple(prediction.colour[k]),
             out_of_gamut=bool(prediction.out_of_gamut[k]),
+            line=choice.line(k, f"{material.name} ({name})"),
         )
         materials.apply(
             material,
             world,
-            mapping.matrices(rho),
+            choice.matrices[k],
             reflectance_name=name,
             reflectance_hash=reflectance_hash(rho),
-            extra={**_plain(result), "values": rho.tolist()},
+            extra={**_plain(result), "unknown": prediction.unknown, "values": rho.tolist()},
         )
         results.append(result)
     return light, results
+
+
+def with_estimated_white(world: bpy.types.World | None, settings: Settings) -> tuple[Settings, str]:
+    """Return settings with the white balance that a World's sky seems to have, and a line on it."""
+    light = _analyse(world, settings)
+    white, line = settle_white(
+        AUTO, lambda: estimate_white(light, settings.transfer(light), settings.sun_elevation)
+    )
+    return replace(settings, white=white), line
 
 
 def in_scene(scene: bpy.types.Scene) -> list[bpy.types.Material]:
@@ -174,9 +225,10 @@ def update(
 _NONE: NDArray[np.float64] = np.empty((0, 81))
 
 
-def _analyse(world: bpy.types.World | None) -> SkyLight:
+def _analyse(world: bpy.types.World | None, settings: Settings) -> SkyLight:
     image = worlds.sky_of(world).image
-    return analyse(from_pixels(worlds.pixels_of(image), f'image "{image.name}"'))
+    panorama = from_pixels(worlds.pixels_of(image), f'image "{image.name}"')
+    return analyse(panorama, S_in=settings.sensors)
 
 
 def _plain(record: Any) -> dict[str, Any]:

@@ -56,6 +56,12 @@ class SkyLight:
         """The part (0 to 1) of the light on level ground that is the sun's."""
         return self.sun.share if self.sun else 0.0
 
+    def sun_elevation(self, given: float | None = None) -> float | None:
+        """Return the sun's elevation [degrees]: the one given, else the HDRI's own, else None."""
+        if given is not None or self.sun is None:
+            return given
+        return self.sun.elevation
+
     @property
     def caption(self) -> str:
         """What a picture must say as long as neither occlusion nor the sun are in it."""

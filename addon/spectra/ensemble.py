@@ -142,7 +142,7 @@ class Ensemble:
         """Return how much each member counts (m,) before its colour is looked at."""
         elevations = self.elevations.astype(float)
         nodes, place = np.unique(elevations, return_inverse=True)
-        weights = np.gradient(nodes)[place] * np.vectorize(_SHARES.get)(self.kinds, 1.0)
+        weights = np.gradient(nodes)[place] * self._shares
         if sun_elevation is None:
             start, softness, rest = _DAY
             weights *= rest + (1.0 - rest) / (1.0 + np.exp((start - elevations) / softness))
@@ -156,6 +156,14 @@ class Ensemble:
         for ozone, share in ((True, 1.0 - without), (False, without)):
             weights[self.ozone == ozone] *= share / weights[self.ozone == ozone].sum()
         return weights
+
+    def some(self, members: NDArray[np.intp]) -> NDArray[np.float64]:
+        """Return the spectra of members (n,) on the grid, (n, 81)."""
+        return self.scores[members].astype(float) @ self.components
+
+    @cached_property
+    def _shares(self) -> NDArray[np.float64]:
+        return np.array([_SHARES.get(kind, 1.0) for kind in self.kinds.tolist()])
 
     @cached_property
     def _uv(self) -> NDArray[np.float64]:

@@ -110,7 +110,8 @@ def transfer(
     Parameters
     ----------
     basis
-        A name that `bases.basis` understands.
+        A name that `bases.basis` understands; without one the paper's, which wants to know nothing
+        of the sky.
     camera
         The camera whose raw numbers the HDRI holds, as `sensitivities.camera` understands it;
         None for a colorimetric HDRI, read into the working space.
@@ -121,8 +122,7 @@ def transfer(
     sun_elevation
         [degrees] of the sun over the horizon; `atmosphere` alone makes use of it.
     sky_rgb
-        The sky's light as the HDRI's numbers have it, (3,) or (k, 3); `atmosphere` makes use of
-        it where the elevation is not known.
+        The sky's light as the HDRI's numbers have it, (3,) or (k, 3); so too.
 
     Raises
     ------

@@ -57,6 +57,7 @@ class SKYLIGHT_PT_numbers(Child, bpy.types.Panel):
             layout.label(text="The scene has no World")
             return
         numbers = world.skylight
+        layout.prop(numbers, "tolerance")
         layout.prop(numbers, "basis")
         layout.prop(numbers, "camera")
         layout.prop(numbers, "white_balanced")

@@ -13,10 +13,14 @@ UNITS = (
     ("FRACTION", "Fraction", "0 to 1"),
 )
 BASES = (
+    ("simplest", "Simplest", "Rayleigh where it keeps to the tolerance, else Atmosphere"),
+    ("atmosphere", "Atmosphere", "Simulated light of all kinds at this sun's elevation: low suns"),
     ("rayleigh", "Rayleigh", "Sunlight scattered by air never, once and twice: clear skies"),
     ("daylight", "CIE Daylight", "The CIE daylight functions: measured days, also overcast"),
-    ("atmosphere", "Atmosphere", "Simulated light of all kinds at this sun's elevation: low suns"),
 )
+
+START = {"basis": "simplest", "tolerance": 0.5}
+"""What the panel starts with; scripts and the command line choose for themselves."""
 
 
 def _file_changed(self, context) -> None:
@@ -102,15 +106,16 @@ class SkylightReflectance(bpy.types.PropertyGroup):
 
 
 def _stored(world) -> dict:
+    """A World's settings; those that the panel starts with where it has none yet."""
     from ..scene import settings
 
-    return settings.stored(world)
+    return settings.stored(world) or dict(START)
 
 
 def _store(world, **values) -> None:
     from ..scene import settings
 
-    settings.store(world, {**settings.stored(world), **values})
+    settings.store(world, {**_stored(world), **values})
 
 
 def _basis(self) -> int:
@@ -132,6 +137,16 @@ class SkylightNumbers(bpy.types.PropertyGroup):
         items=BASES,
         get=_basis,
         set=lambda self, value: _store(self.id_data, basis=BASES[value][0]),
+    )
+    tolerance: bpy.props.FloatProperty(
+        name="Tolerance",
+        description="Error in colour (CIEDE2000) that is good enough: 1 is just noticeable. Each "
+        "material gets the least model that keeps to it; 0: the full one always",
+        min=0.0,
+        max=10.0,
+        precision=2,
+        get=lambda self: _stored(self.id_data).get("tolerance") or 0.0,
+        set=lambda self, value: _store(self.id_data, tolerance=value or None),
     )
     camera: bpy.props.StringProperty(
         name="Camera",
@@ -159,9 +174,9 @@ class SkylightNumbers(bpy.types.PropertyGroup):
 
 def settings_of(world: bpy.types.World):
     """The `spectral.Settings` that a World's panel shows."""
-    from ..scene import settings, spectral
+    from ..scene import spectral
 
-    stored = {key: value for key, value in settings.stored(world).items() if value is not None}
+    stored = {key: value for key, value in _stored(world).items() if value is not None}
     if stored.get("camera", "").startswith("//"):
         stored["camera"] = bpy.path.abspath(stored["camera"], library=world.library)
     return spectral.Settings(**stored)

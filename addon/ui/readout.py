@@ -48,6 +48,8 @@ def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         paragraph(layout, context, sentence, "INFO")
     for note in found.get("notes", ()):
         paragraph(layout, context, note, "ERROR")
+    if "model" in found:
+        paragraph(layout, context, found["model"])
     left = found["errors"][found["degree"]]
     paragraph(
         layout,
@@ -87,10 +89,12 @@ def material(
 def sentences(found: dict[str, Any]) -> list[str]:
     """What is kept with a material about its errors, in words."""
     if not math.isfinite(found["rgb_delta_E"]):
-        lines = ["this sky is black: no errors to predict"]
+        lines = [f"its error is unknown: {found.get('unknown') or 'the sky is dark'}"]
     else:
         rgb, spectral = found["rgb_delta_E"], found["matrix_delta_E"]
         lines = [f"RGB is off by ΔE {rgb:.1f}, spectral by {spectral:.1f}"]
+        if "bound" in found:
+            lines.append(f"{found['model']} model, ΔE at most {found['bound']:.1f}")
     if found["out_of_gamut"]:
         lines.append("out of gamut: Blender clamps it")
     return lines

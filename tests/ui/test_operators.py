@@ -109,12 +109,14 @@ def test_update_moves_materials_to_the_World_of_the_scene(scene, brick):
 def test_sky_numbers_reach_the_matrix(scene, brick):
     numbers = scene.world.skylight
     bpy.ops.skylight.apply(filepath=brick, column="brick")
-    rayleigh = matrix()
+    numbers.tolerance = 0.0
+    bpy.ops.skylight.update()
+    first = matrix()
     numbers.basis = "daylight"
     bpy.ops.skylight.update()
     daylight = matrix()
     # Two models of skylight differ in the matrix by some per cent of its largest entry.
-    assert 0.001 < abs(daylight - rayleigh).max() / abs(rayleigh).max() < 0.3
+    assert 0.001 < abs(daylight - first).max() / abs(first).max() < 0.3
     numbers.white_balanced = True
     numbers.white = (0.8, 1.0, 1.5)
     bpy.ops.skylight.update()
@@ -134,6 +136,23 @@ def test_sky_numbers_are_those_that_the_materials_were_made_with(scene, brick):
     assert tuple(numbers.white) == pytest.approx((0.8, 1.0, 1.5))
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     assert settings.stored(scene.world) == {"basis": "daylight", "white": [0.8, 1.0, 1.5]}
+
+
+def test_the_tolerance_chooses_the_least_model(scene, brick):
+    numbers = scene.world.skylight
+    assert numbers.tolerance == 0.5 and numbers.basis == "simplest"  # what a new World starts with
+    numbers.tolerance = 0.02
+    bpy.ops.skylight.apply(filepath=brick, column="brick")
+    found = materials.managed(material()).extra
+    assert found["model"] == "3x3" and found["bound"] > 0.0
+    numbers.tolerance = 10.0
+    bpy.ops.skylight.update()
+    found = materials.managed(material()).extra
+    assert found["model"] == "diagonal" and found["bound"] <= 10.0
+    M = matrix()
+    assert abs(M - np.diag(np.diag(M))).max() < 1e-6  # float32 sockets
+    assert sky_light.description_of(scene.world)["degree"] <= 1
+    assert "basis rayleigh" in sky_light.description_of(scene.world)["model"]
 
 
 def test_a_wrong_camera_is_one_line(scene, brick):

@@ -1,0 +1,197 @@
+"""Predicted errors and the least model: what they promise, on light they never saw."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from spectral_skylight.addon.sky import daylight_ensemble
+from spectral_skylight.addon.sky.clear_sky import sky_rgb
+from spectral_skylight.addon.sky.irradiance import exact_irradiance
+from spectral_skylight.addon.sky.light import FACES, analyse
+from spectral_skylight.addon.sky.panorama import from_pixels
+from spectral_skylight.addon.sky.polynomial import evaluate_polynomial
+from spectral_skylight.addon.spectra import bases
+from spectral_skylight.addon.spectra.light import read_light
+from spectral_skylight.addon.spectra.working_spaces import rec709_to_working
+from spectral_skylight.addon.transfer.calibration import Calibration, calibrate
+from spectral_skylight.addon.transfer.choice import (
+    FULL,
+    MODELS,
+    choose,
+    choose_with,
+    lowest_degree,
+    reduced,
+    sky_line,
+)
+from spectral_skylight.addon.transfer.evaluation import colorchecker
+from spectral_skylight.addon.transfer.matrices import transfer
+from spectral_skylight.addon.transfer.measures import delta_E
+from spectral_skylight.addon.transfer.prediction import TODAY, predict
+
+BLUE = np.array([0.2, 0.35, 0.7])
+
+
+@pytest.fixture(scope="module")
+def checker():
+    return colorchecker()[1]
+
+
+@pytest.fixture(scope="module")
+def light():
+    return analyse(from_pixels(sky_rgb(20.0, 64, orders=1), "sky"))
+
+
+def test_greys_have_no_error_and_need_one_number(light):
+    greys = np.array([0.03, 0.5, 0.9])[:, None] * np.ones(81)
+    choice = choose(transfer(), greys, light.faces, 20.0)
+    assert choice.models == ("scalar",) * 3
+    # A grey reflects every spectrum of one colour alike: rounding is left.
+    assert max(choice.prediction.bound[name].max() for name in (TODAY, *MODELS)) < 1e-5
+    np.testing.assert_allclose(choice.matrices, greys[:, 0, None, None] * np.eye(3), atol=1e-12)
+
+
+def test_reduced_models_are_least_squares(checker):
+    """No other diagonal, no other scalar comes nearer under these lights."""
+    t, lights = transfer(), np.array([[0.2, 0.35, 0.7], [0.5, 0.5, 0.5]])
+    Y = np.array([0.2126, 0.7152, 0.0722])
+    lights = lights / (lights @ Y)[:, None]
+    M = t.matrices(checker)
+    seen = np.einsum("mij,kj->kmi", M, lights)
+    models = reduced(t, checker, lights)
+    diagonal = np.einsum("mij,kj->kmi", models["diagonal"], lights)
+    slope = np.einsum("kmi,ki->mi", seen - diagonal, lights)
+    np.testing.assert_allclose(slope, 0.0, atol=1e-5)  # the residual is normal to the light
+    scalar = np.einsum("mij,kj->kmi", models["scalar"], lights)
+    np.testing.assert_allclose((scalar @ Y).mean(axis=0), (seen @ Y).mean(axis=0), rtol=1e-3)
+
+
+@pytest.mark.parametrize("space", ["Linear Rec.709", "ACEScg"])
+def test_the_prediction_does_not_depend_on_the_working_space(checker, light, space):
+    T = rec709_to_working(space)
+    found = predict(transfer(space=space), checker, light.faces @ T.T, 20.0)
+    plain = predict(transfer(), checker, light.faces, 20.0)
+    # Models of other primaries are other models; the full matrix is the same in all.
+    np.testing.assert_allclose(found.bound[FULL], plain.bound[FULL], rtol=1e-3, atol=1e-6)
+
+
+def test_the_prediction_does_not_depend_on_a_white_balance_that_is_told(checker):
+    white = np.array([0.8, 1.0, 1.4])
+    plain = predict(transfer(), checker, BLUE)
+    told = predict(transfer(white=white), checker, BLUE / white)
+    # The same spectra, seen through another adaptation: differences in colour stay nearly so.
+    np.testing.assert_allclose(told.matrix, plain.matrix, rtol=0.35, atol=0.01)
+
+
+def test_the_more_a_model_has_the_nearer_it_comes(checker, light):
+    found = choose(transfer(), checker, light.faces, 20.0).prediction.mean
+    assert found["scalar"].mean() > found["diagonal"].mean() > found[FULL].mean()
+    assert found[TODAY].mean() > found["diagonal"].mean()
+
+
+def test_models_keep_to_the_tolerance_or_are_full(checker, light):
+    for tolerance in (0.2, 0.5, 2.0):
+        choice = choose(transfer(), checker, light.faces, 20.0, tolerance)
+        for k, model in enumerate(choice.models):
+            cheaper = MODELS[: MODELS.index(model)]
+            assert all(choice.prediction.bound[name][k] > tolerance for name in cheaper)
+            assert model == FULL or choice.error(k)[1] <= tolerance
+            assert choice.line(k, "wall").startswith(f"wall: {model}, ΔE ")
+
+
+def test_the_simplest_basis(checker, light):
+    def of(name):
+        return transfer(name, sun_elevation=20.0, sky_rgb=light.faces)
+
+    loose = choose_with(of, "simplest", checker, light.faces, 20.0, 3.0)
+    tight = choose_with(of, "simplest", checker, light.faces, 20.0, 0.05)
+    assert (loose.transfer.basis, tight.transfer.basis) == ("rayleigh", "atmosphere")
+    assert choose_with(of, "simplest", checker, None).transfer.basis == "atmosphere"
+
+
+@pytest.mark.parametrize(
+    ("lights", "elevation", "reason"),
+    [
+        (np.zeros(3), None, "dark"),
+        (BLUE, -7.0, "under -6"),
+        ([0.1, 1.0, 0.1], None, "no colour of skylight"),
+        ([1.0, 0.1, 1.0], 20.0, "no colour of skylight"),
+    ],
+)
+def test_unknown(checker, lights, elevation, reason):
+    choice = choose(transfer(), checker, lights, elevation)
+    assert reason in choice.prediction.unknown and set(choice.models) == {FULL}
+    assert np.isnan(choice.prediction.rgb).all() and "unknown" in choice.line(0, "wall")
+
+
+def test_lowest_degree(light):
+    """What it promises, on faces that it did not look at; and no degree more than needed."""
+    rng = np.random.default_rng(5)
+    normals = rng.standard_normal((500, 3))
+    normals[:, 2] = np.abs(normals[:, 2])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    true = exact_irradiance(light.sky, normals)
+    degrees = []
+    for tolerance in (0.2, 0.5, 2.0, 10.0):
+        fit = lowest_degree(light, np.eye(3), tolerance).fit
+        degrees.append(fit.degree)
+        error = delta_E(evaluate_polynomial(fit.coefficients, normals), true, true)
+        # Other normals: the percentile moves a little.
+        assert np.percentile(error, 95) < 0.55 * tolerance or fit.degree == 6
+    assert degrees == sorted(degrees, reverse=True) and degrees[-1] < degrees[0]
+
+
+def test_what_the_sky_was_modelled_with(light):
+    choice = choose(transfer(), np.ones(81), light.faces)
+    assert "basis rayleigh" in sky_line(choice, light)
+    with_disc = sky_rgb(20.0, 256, orders=1)
+    with_disc[99:101, 255:257] = 3e4 * with_disc.mean()
+    sun = analyse(from_pixels(with_disc, "sky"))
+    assert "needs a term of its own" in sky_line(choice, sun)
+
+
+def unseen(seed, elevations, ozone=True):
+    """Simulated light of air that is not in the ensemble."""
+    rng = np.random.default_rng(seed)
+    spectra, told = [], []
+    for elevation in elevations:
+        air = daylight_ensemble.draw_atmosphere(rng)
+        air = air if ozone else replace(air, ozone=0.0)
+        for _, spectrum in daylight_ensemble.lights(elevation, air, rng):
+            spectra.append(spectrum)
+            told.append(elevation)
+    return np.array(spectra), np.array(told)
+
+
+@pytest.mark.parametrize("ozone", [True, False])
+def test_it_holds_for_air_it_never_saw(checker, ozone):
+    lights, elevations = unseen(21, (-4.0, 1.0, 6.0, 15.0, 40.0), ozone)
+    found = calibrate(lights, checker, elevations)
+    assert found.covered >= 0.9 and found.sharpness <= 3.0 and found.rank_correlation >= 0.6
+
+
+def test_it_holds_for_measured_days(shared_data, checker):
+    """Stanford, 1,076 measured daylights, no elevation told: none of them is in the ensemble."""
+    light = read_light(shared_data / "sky/stanford_dicarlo/daylightSpectra.csv").values[::20]
+    found = calibrate(light, checker)
+    assert found.covered >= 0.94 and found.sharpness <= 3.0 and found.unknown == 0.0
+    assert found.kept >= 0.95
+
+
+def test_unknown_never_counts_as_covered(checker):
+    strange = bases.rayleigh()[:1] * np.linspace(0.1, 2.0, 81) ** 4
+    found = calibrate(strange, checker)
+    assert found.unknown == 1.0 and found.covered == 0.0 and np.isnan(found.sharpness)
+
+
+def test_skies_of_several_faces_are_one_case(checker, light):
+    """Its error is the 95th percentile over them: numpy's, on the lights one by one."""
+    faces = FACES[:, 2, None] + 1.5
+    spectra = bases.daylight()[0] * faces + bases.rayleigh()[1] * (2.0 - FACES[:, 0, None])
+    together = calibrate(spectra, checker, 30.0, skies=["one"] * len(FACES))
+    assert isinstance(together, Calibration) and together.cases == len(checker)
+    alone = [
+        calibrate(spectra[[k]], checker, 30.0, basis="rayleigh").true for k in range(len(FACES))
+    ]
+    joint = calibrate(spectra, checker, 30.0, basis="rayleigh", skies=["one"] * len(FACES)).true
+    np.testing.assert_allclose(joint[0], np.percentile(np.concatenate(alone), 95, axis=0))
