@@ -77,9 +77,8 @@ def build(request: dict[str, Any], face: dict[str, Any]) -> bpy.types.Scene:
     return scene
 
 
-def timed(scene: bpy.types.Scene, samples: int) -> float:
-    """Render with so many samples a pixel and return the seconds."""
-    scene.cycles.samples = scene.eevee.taa_render_samples = samples
+def timed(scene: bpy.types.Scene) -> float:
+    """Render and return the seconds."""
     start = time.perf_counter()
     bpy.ops.render.render(scene=scene.name)
     return time.perf_counter() - start
@@ -88,7 +87,7 @@ def timed(scene: bpy.types.Scene, samples: int) -> float:
 def main(request: str, answer: str) -> None:
     """Write pictures (faces, rows, columns, 3), and seconds.
 
-    ``seconds``: of all pictures; ``start_seconds``: of the same with one sample a pixel.
+    ``seconds``: of all pictures once everything is loaded; ``start_seconds``: of loading.
     """
     asked = json.loads(Path(request).read_text())
     pictures, seconds = [], np.zeros(2)
@@ -96,9 +95,10 @@ def main(request: str, answer: str) -> None:
         for face in asked["faces"]:
             scene = build(asked, face)
             scene.render.engine = renderer.engine_id(asked["engine"])
-            timed(scene, 1)  # shaders are compiled
-            start = timed(scene, 1)
-            seconds += timed(scene, asked["samples"]), start
+            scene.render.use_persistent_data = True
+            scene.cycles.samples = scene.eevee.taa_render_samples = asked["samples"]
+            first, again = timed(scene), timed(scene)
+            seconds += again, max(first - again, 0.0)
             pictures.append(faces.picture(scene, Path(folder), asked["engine"])[..., :3])
     np.savez(answer, pictures=pictures, seconds=seconds[0], start_seconds=seconds[1])
 

@@ -16,9 +16,10 @@ HERE = Path(__file__).parent
 ENVIRONMENT = HERE.parents[1] / ".venvs" / "peers"
 PYTHON = ENVIRONMENT / "bin" / "python"
 ANSWERS = ENVIRONMENT / "answers"
-"""Kept by request, script and pins; safe to delete."""
+"""Kept by request, the peer's scripts and pins; safe to delete."""
 
 OURS = ("blender_render.py",)
+"""Scripts that run in our own environment. They are asked every time: our code is in no name."""
 
 MISSING = "the peers' environment is not there: sh tests/peers/run builds it"
 
@@ -26,19 +27,19 @@ MISSING = "the peers' environment is not there: sh tests/peers/run builds it"
 def ask(script: str, request: dict[str, Any], *, again: bool = False) -> dict[str, NDArray[Any]]:
     """Return what a peer's script answers to a request, asking only once unless ``again``.
 
-    Scripts of Blender run in our own environment, all others in the peers'. Raises
-    FileNotFoundError without theirs, CalledProcessError where the script fails.
+    Raises FileNotFoundError without the peers' environment, CalledProcessError where the script
+    fails.
     """
     if not PYTHON.exists():
         raise FileNotFoundError(MISSING)
     text = json.dumps(request, sort_keys=True)
     digest = hashlib.sha256(text.encode())
-    for source in (script, "radiance_files.py", "requirements.txt"):
-        digest.update((HERE / source).read_bytes())
+    for source in [*sorted(HERE.glob(f"{script.split('_')[0]}_*.py")), HERE / "requirements.txt"]:
+        digest.update(source.read_bytes())
     ANSWERS.mkdir(exist_ok=True)
     name = ANSWERS / f"{Path(script).stem}-{digest.hexdigest()[:16]}"
     question, answer = name.with_suffix(".json"), name.with_suffix(".npz")
-    if again or not answer.exists():
+    if again or script in OURS or not answer.exists():
         question.write_text(text)
         if script in OURS:
             module = f"spectral_skylight.tests.peers.{Path(script).stem}"

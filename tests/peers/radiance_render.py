@@ -67,7 +67,8 @@ def trace(folder, asked, samples):
 def main(request, answer):
     """Write pictures (faces, rows, columns, 20), short waves first, and seconds.
 
-    ``seconds``: of all pictures; ``start_seconds``: of the same with one sample a pixel.
+    ``seconds``: of all pictures once everything is loaded; ``start_seconds``: of loading, which
+    is what one sample a pixel takes.
     """
     request = json.loads(Path(request).read_text())
     pixels, pictures, seconds = request["pixels"], [], np.zeros(2)
@@ -81,7 +82,7 @@ def main(request, answer):
             asked = "\n".join(" ".join(f"{x:.6f}" for x in ray) for ray in rays(face, pixels))
             _, start = trace(folder, asked.encode(), 1)
             values, took = trace(folder, asked.encode(), request["samples"])
-            seconds += took, start
+            seconds += took - start, start
             pictures.append(values.reshape(4 * pixels, 6 * pixels, 20)[..., ::-1])
     np.savez(answer, pictures=pictures, seconds=seconds[0], start_seconds=seconds[1])
 

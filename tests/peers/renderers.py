@@ -53,7 +53,12 @@ METHODS = (
     _blender("Cycles, RGB × RGB", "cycles", None, "diffuse, albedo under D65, Rec.709"),
     _blender("ours in Cycles, rayleigh", "cycles", "rayleigh", "no noise"),
     _blender("ours in Cycles, atmosphere", "cycles", "atmosphere", "no noise, elevation known"),
-    _blender("ours in Eevee, rayleigh", "eevee", "rayleigh", "no noise; cuts negative red"),
+    _blender(
+        "ours in Eevee, rayleigh",
+        "eevee",
+        "rayleigh",
+        "no noise; cuts negative red; GL may be software",
+    ),
 )
 
 
@@ -61,8 +66,8 @@ METHODS = (
 class Result:
     """A method's CIEDE2000 over 24 patches and three faces, its seconds for them, what to know.
 
-    ``start_seconds``: of the same with one sample a pixel; ``noise_delta_E``: the mean that
-    chance alone makes, from the pixels' own scatter; ``luminance_error``: the largest of a face.
+    ``seconds`` count once everything is loaded, which takes ``start_seconds``; ``noise_delta_E``:
+    the mean that chance alone makes; ``luminance_error``: the largest of a face.
     """
 
     method: str
