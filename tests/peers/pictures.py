@@ -56,6 +56,8 @@ def draw_renderers(path: Path, results: list) -> None:
         axes.plot(one.seconds, one.mean_delta_E, "o", color=line[0].get_color(), label=one.method)
     axes.set_xscale("log")
     axes.set_yscale("log")
+    axes.yaxis.set_minor_formatter("{x:.1f}")
+    axes.yaxis.set_major_formatter("{x:g}")
     axes.set_xlabel("seconds for three pictures of 48 x 32 pixels, once all is loaded")
     axes.set_ylabel("CIEDE2000: mean, up to 95th percentile")
     axes.legend(fontsize=8)
