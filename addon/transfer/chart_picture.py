@@ -73,6 +73,7 @@ def _panel(axis: Any, title: str, rows: Sequence[Row]) -> tuple[list[_Point], li
         colour = _COLOURS["walls" if row.kind == "walls" else row.family]
         axis.plot(x, max(mean, FLOOR), zorder=3, **_marker(row.kind, row, colour))
         name = f"3x3, {row.name}" if row.family == "3x3" and not row.is_limit else row.name
+        name = name.replace(" and ", " + ").removesuffix(" known")
         name += ": exact" if mean < FLOOR / 10 else ""
         points.append((x, max(mean, FLOOR), name, colour))
     for kind in {row.kind: None for row in rows}:

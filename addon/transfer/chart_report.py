@@ -26,7 +26,7 @@ _IN_EEVEE = {
     "Diffuse": ("Eevee's own world light", _TODAY),
     "Principled": ("Eevee's own world light", _TODAY),
     "irradiance texture": ("texture 64 × 32", _TODAY),
-    "Skylight Surface": ("degree 6", "atmosphere, elevation known"),
+    "Skylight Surface": ("degree 6", "atmosphere, colour and elevation known"),
 }
 """Which light and which shading a material in Eevee amounts to."""
 
@@ -123,7 +123,8 @@ def _caption(skies: list[FullSky], rho: NDArray[np.float64], made: Mapping[str, 
         f"{' and '.join(AIRS)} air), without the sun's disc; {len(FACE_NAMES)} faces, "
         f"{len(rho)} materials. Left: the light is exact. Right: the materials are.",
         "Own white and prefiltered RGB are told the spectrum of the light on level ground. "
-        "`atmosphere` rests on skies of the same simulation, with other air.",
+        "The basis atmosphere rests on skies of the same simulation, with other air; what is "
+        "known of the sky stands behind it.",
         f"{made['date']}, {made['processor']}, {made['cores']} cores, {made['system']}, "
         f"Python {made['python']}, numpy {made['numpy']}{blender}",
     ]

@@ -291,6 +291,7 @@ METHODS: dict[str, Method] = {
         with_basis("atmosphere"),
         with_basis("atmosphere", "colour"),
         with_basis("atmosphere", "elevation"),
+        with_basis("atmosphere", "colour", "elevation"),
         Method(BEST, "3x3", _best_matrix, ("truth",)),
         Method("six channels multiplied", "six channels", _six_multiplied),
         Method("six channels, 3x6", "six channels", _six_matrix),

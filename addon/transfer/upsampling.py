@@ -52,8 +52,18 @@ def jakob_hanika() -> Restore:
         (i, j), (u, v) = (cell := place.astype(int)), (place - cell)[..., None]
         c = (1 - u) * ((1 - v) * table[first, i, j] + v * table[first, i, j + 1])
         c += u * ((1 - v) * table[first, i + 1, j] + v * table[first, i + 1, j + 1])
-        p = (c[:, 0] * x[:, None] + c[:, 1]) * x[:, None] + c[:, 2]
-        return (0.5 + 0.5 * p / np.sqrt(1.0 + p * p)) * largest * neutral[:, None]
+        a, b, c = np.ascontiguousarray(c.T)
+        p = x[:, None] * a  # in place from here on: its size is what costs
+        p += b
+        p *= x[:, None]
+        p += c
+        root = p * p
+        root += 1.0
+        p /= np.sqrt(root, out=root)
+        p += 1.0
+        p *= 0.5 * largest
+        p *= neutral[:, None]
+        return p
 
     return restore
 
