@@ -89,18 +89,30 @@ def test_what_is_wrong_is_said(capsys, tmp_path, options, part):
     assert not (tmp_path / "sky.exr").exists()
 
 
-def test_a_white_balance_is_said_and_undone(tmp_path, capsys):
-    """The sky made grey: `irradiance` warns, and `--white auto` gives back its blue."""
-    make(tmp_path / "sky.exr", "--sun-elevation", 40, "--width", 512, "--sun-disc")
-    sky = read_panorama(tmp_path / "sky.exr").rgb
+@pytest.fixture(scope="module")
+def balanced(tmp_path_factory):
+    """A clear sky with its sun, the same balanced until its upper half is grey, and that white."""
+    folder = tmp_path_factory.mktemp("balanced")
+    make(folder / "sky.exr", "--sun-elevation", 40, "--width", 512, "--sun-disc")
+    sky = read_panorama(folder / "sky.exr").rgb
     white = sky[:64].mean(axis=(0, 1)) / sky[:64, :, 1].mean()
-    write_panorama(tmp_path / "grey.exr", sky / white)
+    write_panorama(folder / "grey.exr", sky / white)
+    return folder, white
+
+
+def printed(capsys, *arguments):
     capsys.readouterr()
+    assert cli.main([str(argument) for argument in (*arguments, "--json")]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def test_a_white_balance_is_said_and_undone(tmp_path, capsys, balanced):
+    """The sky made grey: `irradiance` warns, and `--white auto` gives back its blue."""
+    folder, white = balanced
 
     def found(name, *options):
-        arguments = ["irradiance", tmp_path / name, "--out", tmp_path / "e.exr", "--json", *options]
-        assert cli.main([str(argument) for argument in arguments]) == 0
-        return json.loads(capsys.readouterr().out)
+        out = ("--out", tmp_path / "e.exr")
+        return printed(capsys, "irradiance", folder / name, *out, *options)
 
     assert not any("balance" in note for note in found("sky.exr")["notes"])
     warned = found("grey.exr")
@@ -114,3 +126,27 @@ def test_a_white_balance_is_said_and_undone(tmp_path, capsys):
     none = found("sky.exr", "--white", "auto")
     assert none["white"] is None
     assert any("no white balance is seen" in note for note in none["notes"])
+
+
+def test_matrices_of_a_balanced_sky(tmp_path, capsys, balanced):
+    folder, white = balanced
+    paint = tmp_path / "paint.csv"
+    rows = [f"{nm},{0.05 + 0.8 * (nm > 560)}" for nm in range(380, 781, 20)]
+    paint.write_text("\n".join(["nm,orange", *rows]))
+
+    def found(name, *options):
+        sky = ("--sky", folder / name)
+        return printed(capsys, "matrix", paint, "--basis", "rayleigh", *sky, *options)
+
+    warned, undone = found("grey.exr"), found("grey.exr", "--white", "auto")
+    told = found("grey.exr", "--white", ",".join(map(str, white)))
+    assert any("looks white-balanced" in note for note in warned["notes"])
+    assert any("estimated from the sky" in note for note in undone["notes"])
+    assert told["notes"] == [] and told["white"] == pytest.approx(white.tolist(), rel=1e-5)
+    off, mended = (
+        np.abs(np.subtract(one["materials"][0]["matrix"], told["materials"][0]["matrix"])).max()
+        for one in (warned, undone)
+    )
+    assert mended < 0.5 * off
+    assert cli.main(["matrix", str(paint), "--white", "auto"]) == 2
+    assert "give --sky HDRI" in capsys.readouterr().err

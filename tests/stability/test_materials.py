@@ -42,11 +42,15 @@ def test_narrow_bands_and_steps(keep):
         # Still far better than today's way, though some times worse than on paints.
         assert ours.mean() < under and ours.mean() < today.mean() / 3.0
         assert ours.mean() > 1.2 * errors(LIGHTS).mean()
+        expected = [
+            predict(transfer(), each, LIGHTS @ S.T).matrix.mean() for each in (rho, CHECKER)
+        ]
+        assert expected[0] > 1.2 * expected[1]
         keep(
             f"reflectances of {what}, 420 to 680 nm",
             f"ΔE {ours.mean():.2f}, at most {ours.max():.1f}; RGB × RGB "
             f"{today.mean():.1f}, at most {today.max():.0f}",
-            "predicts each material's own error",
+            f"predicts each material's own error: {expected[0]:.2f}, for paints {expected[1]:.2f}",
         )
 
 
