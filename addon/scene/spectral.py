@@ -22,6 +22,7 @@ from ..spectra.reflectance import reflectance_hash
 from ..spectra.working_spaces import rec709_to_working
 from ..transfer.choice import SIMPLEST, Choice, choose_with, lowest_degree, sky_line
 from ..transfer.matrices import Transfer, transfer
+from ..transfer.prediction import UNTOLD_WHITE
 from ..transfer.white import AUTO, estimate_white, settle_white
 from . import materials, sky_light, working_space
 from . import settings as world_settings
@@ -69,8 +70,8 @@ class Settings:
             S = sensitivities.camera(self.camera)
         return S if self.white is None else S / np.array(self.white)[:, None]
 
-    def choose(self, light: SkyLight, reflectances: NDArray[np.float64]) -> Choice:
-        """Return the models of reflectances (m, 81) under a sky."""
+    def choose(self, light: SkyLight, reflectances: NDArray[np.float64], doubt: str = "") -> Choice:
+        """Return the models of reflectances (m, 81) under a sky; ``doubt`` as in `predict`."""
         # A camera's World was developed by one basis already: its materials keep to that.
         basis = "atmosphere" if self.camera and self.basis == SIMPLEST else self.basis
         return choose_with(
@@ -80,6 +81,7 @@ class Settings:
             light.faces,
             light.sun_elevation(self.sun_elevation),
             self.tolerance,
+            doubt,
         )
 
 
@@ -138,14 +140,15 @@ def make_spectral(
         materials.check_editable(material)
     light = _analyse(world, settings)
     values = np.stack([rho for _, rho in reflectances.values()]) if reflectances else _NONE
-    choice = settings.choose(light, values)
+    tint = ""
+    if settings.white is None:
+        tint = estimate_white(light, settings.transfer(light), settings.sun_elevation).line
+        light = replace(light, signs=(*light.signs, tint)) if tint else light
+    choice = settings.choose(light, values, UNTOLD_WHITE if tint else "")
     if settings.tolerance is not None:
         to_rec709 = np.linalg.inv(rec709_to_working(choice.transfer.space))
         to_rec709 = to_rec709 @ choice.transfer.to_working
         light = lowest_degree(light, to_rec709, settings.tolerance)
-    if settings.white is None:
-        line = estimate_white(light, choice.transfer, settings.sun_elevation).line
-        light = replace(light, signs=(*light.signs, line)) if line else light
     world_settings.store(world, _plain(settings))
     sky_light.set_coefficients(world, light.fit.coefficients)
     sky_light.describe(

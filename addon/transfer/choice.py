@@ -111,6 +111,7 @@ def choose(
     lights: ArrayLike | None,
     sun_elevation: float | None = None,
     tolerance: float | None = TOLERANCE,
+    doubt: str = "",
 ) -> Choice:
     """Choose for reflectances (m, 81) the cheapest models that keep to a tolerance [CIEDE2000].
 
@@ -123,7 +124,7 @@ def choose(
     prediction = None
     if lights is not None:
         models |= reduced(transfer, rho, lights)
-        prediction = predict(transfer, rho, lights, sun_elevation, models)
+        prediction = predict(transfer, rho, lights, sun_elevation, models, doubt)
         if tolerance is not None and prediction.known:
             kept = np.stack([prediction.bound[name] <= tolerance for name in MODELS])
             chosen = np.where(kept.any(axis=0), kept.argmax(axis=0), chosen)
@@ -139,6 +140,7 @@ def choose_with(
     lights: ArrayLike | None,
     sun_elevation: float | None = None,
     tolerance: float | None = None,
+    doubt: str = "",
 ) -> Choice:
     """Choose models with a basis, or with the `SIMPLEST` whose every model keeps to the tolerance.
 
@@ -147,10 +149,10 @@ def choose_with(
     light to judge by, the last of `BASES`.
     """
     if basis != SIMPLEST:
-        return choose(transfer_of(basis), reflectances, lights, sun_elevation, tolerance)
+        return choose(transfer_of(basis), reflectances, lights, sun_elevation, tolerance, doubt)
     for name in BASES:
         choice = choose(
-            transfer_of(name), reflectances, lights, sun_elevation, tolerance or TOLERANCE
+            transfer_of(name), reflectances, lights, sun_elevation, tolerance or TOLERANCE, doubt
         )
         if choice.kept:
             break

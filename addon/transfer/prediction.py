@@ -31,6 +31,9 @@ from .measures import to_Lab
 TODAY, FULL = "RGB × RGB", "3x3"
 """The methods that are always predicted: today's way, and the material matrix."""
 
+UNTOLD_WHITE = "the sky looks white-balanced, and its white is not told"
+"""A doubt: see `transfer.white`."""
+
 LOWEST_SUN = -6.0
 """[degrees]. Under it nothing was simulated: stars and lamps begin to count."""
 
@@ -86,12 +89,14 @@ def predict(
     lights: ArrayLike,
     sun_elevation: float | None = None,
     models: Mapping[str, NDArray[np.float64]] | None = None,
+    doubt: str = "",
 ) -> Prediction:
     """Predict the errors of reflectances (m, 81) under lights (k, 3), RGB irradiances of the HDRI.
 
     ``sun_elevation`` [degrees]: where not known, a sun over some 8° is expected; a lower one makes
     larger errors than predicted. ``models``: further matrices (m, 3, 3) by name, judged as the full
-    ones are. Lights without luminance are left out.
+    ones are. ``doubt``: what else makes the prediction unknown, as `UNTOLD_WHITE`. Lights without
+    luminance are left out.
     """
     rho = np.atleast_2d(np.asarray(reflectances, dtype=float))
     lights = np.atleast_2d(np.asarray(lights, dtype=float))
@@ -101,7 +106,7 @@ def predict(
     to_Y = np.linalg.inv(XYZ_to_working(transfer.space))[1]
     luminance = lights @ transfer.to_working.T @ to_Y
     lights, luminance = lights[luminance > 0], luminance[luminance > 0]
-    unknown = _unknown(transfer, lights, sun_elevation)
+    unknown = doubt or _unknown(transfer, lights, sun_elevation)
     if unknown or not len(rho):
         nothing = {name: np.full(len(rho), np.nan) for name in (TODAY, *matrices)}
         return Prediction(nothing, nothing, colour, out_of_gamut, unknown)

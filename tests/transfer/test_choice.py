@@ -27,7 +27,7 @@ from spectral_skylight.addon.transfer.choice import (
 from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
-from spectral_skylight.addon.transfer.prediction import TODAY, predict
+from spectral_skylight.addon.transfer.prediction import TODAY, UNTOLD_WHITE, predict
 
 BLUE = np.array([0.2, 0.35, 0.7])
 
@@ -122,6 +122,11 @@ def test_unknown(checker, lights, elevation, reason):
     choice = choose(transfer(), checker, lights, elevation)
     assert reason in choice.prediction.unknown and set(choice.models) == {FULL}
     assert np.isnan(choice.prediction.rgb).all() and "unknown" in choice.line(0, "wall")
+
+
+def test_an_untold_white_is_unknown(checker):
+    choice = choose(transfer(), checker, BLUE, 30.0, 60.0, UNTOLD_WHITE)
+    assert choice.prediction.unknown == UNTOLD_WHITE and set(choice.models) == {FULL}
 
 
 def test_lowest_degree(light):
