@@ -9,7 +9,8 @@ HEAD = """# Where the methods break, and what the add-on does then
 
 Each row is a test in this folder, which keeps the failure, its figure and the answer; the table is
 theirs too: `pytest tests/stability --write-table` writes it anew. ΔE is CIEDE2000 in the mean over
-the ColorChecker where nothing else is said, and includes what the basis itself leaves.
+the ColorChecker where nothing else is said, and includes what the basis itself leaves. Skies are
+simulated, by the air that `atmosphere` was made from: of that basis these are the best cases.
 """
 
 _rows = pytest.StashKey[dict]()

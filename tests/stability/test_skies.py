@@ -165,11 +165,12 @@ def test_leaves_and_walls(keep):
     found = outside(rgb, None, FACES)
     upright = bright(light[NORTH])
     assert errors(light[UP]).mean() < 0.3 < 0.6 < errors(upright).mean()
+    promised = predict(transfer(), CHECKER, [S @ upright], 40.0).matrix.mean()
     assert found.shares[NORTH, FOREIGN] > 0.25 and found.shares[UP, FOREIGN] < 0.01
     keep(
         "a meadow in the lower half",
         f"ΔE {errors(upright).mean():.1f} on upright faces ({errors(upright, 'rgb').mean():.1f} "
-        f"with RGB × RGB), {errors(light[UP]).mean():.1f} on level ones",
+        f"with RGB × RGB), predicted {promised:.1f}; {errors(light[UP]).mean():.1f} on level ones",
         f"says: partly outside, {100 * found.shares[NORTH, FOREIGN]:.0f} % of upright faces' light",
     )
 
