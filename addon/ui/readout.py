@@ -47,7 +47,7 @@ def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     for sentence in found["caption"].split("; "):
         paragraph(layout, context, sentence, "INFO")
     for note in found.get("notes", ()):
-        paragraph(layout, context, note, "ERROR")
+        paragraph(layout, context, note, "INFO")
     if "model" in found:
         paragraph(layout, context, found["model"])
     left = found["errors"][found["degree"]]
