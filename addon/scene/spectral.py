@@ -20,11 +20,18 @@ from ..sky.panorama import from_pixels, read_panorama
 from ..spectra import sensitivities
 from ..spectra.reflectance import reflectance_hash
 from ..spectra.working_spaces import rec709_to_working
-from ..transfer.choice import SIMPLEST, Choice, choose_with, lowest_degree, sky_line
+from ..transfer.choice import (
+    SIMPLEST,
+    Choice,
+    choose_with,
+    lowest_degree,
+    sky_line,
+    visibility_line,
+)
 from ..transfer.matrices import Transfer, transfer
 from ..transfer.prediction import UNTOLD_WHITE
 from ..transfer.white import AUTO, estimate_white, settle_white
-from . import materials, sky_light, working_space
+from . import materials, openness, sky_light, working_space
 from . import settings as world_settings
 from . import world as worlds
 
@@ -149,6 +156,10 @@ def make_spectral(
         to_rec709 = np.linalg.inv(rec709_to_working(choice.transfer.space))
         to_rec709 = to_rec709 @ choice.transfer.to_working
         light = lowest_degree(light, to_rec709, settings.tolerance)
+    model = sky_line(choice, light)
+    if settings.tolerance is not None and bpy.context.scene.world == world:
+        hidden = openness.hidden_share(bpy.context.scene, list(reflectances))
+        model += "" if hidden is None else f"; {visibility_line(hidden, settings.tolerance)}"
     world_settings.store(world, _plain(settings))
     sky_light.set_coefficients(world, light.fit.coefficients)
     sky_light.describe(
@@ -158,7 +169,7 @@ def make_spectral(
             "settings": _plain(settings),
             "space": choice.transfer.space,
             "image": worlds.sky_of(world).image.name,
-            "model": sky_line(choice, light),
+            "model": model,
         },
     )
     prediction = choice.prediction

@@ -209,9 +209,20 @@ def sky_line(choice: Choice, light: SkyLight) -> str:
     text = f"sky: basis {choice.transfer.basis}, degree {light.fit.degree}"
     if light.sun is None:
         return f"{text}, no sun"
-    without = delta_E(np.ones(3) * (1.0 - light.sun_share), np.ones(3), np.ones(3))
-    needed = "needs a" if without > (choice.tolerance or 0.0) else "needs no"
+    needed = "needs a" if _darker(light.sun_share) > (choice.tolerance or 0.0) else "needs no"
     return f"{text}; the sun ({100 * light.sun_share:.0f} % of the light) {needed} term of its own"
+
+
+def visibility_line(hidden: float, tolerance: float) -> str:
+    """Say whether what hides this part of the sky, 0 to 1, is worth modelling."""
+    worth = "is worth" if _darker(hidden) > tolerance else "is not worth"
+    return f"{100 * hidden:.0f} % of the sky is hidden from these materials: visibility {worth} it"
+
+
+def _darker(share: float) -> float:
+    """Return the CIEDE2000 of a white that lacks this part, 0 to 1, of its light."""
+    white = np.ones(3)
+    return float(delta_E((1.0 - share) * white, white, white))
 
 
 _LUMINANCE: NDArray[np.float64] = np.array([0.2126, 0.7152, 0.0722])

@@ -23,6 +23,7 @@ from spectral_skylight.addon.transfer.choice import (
     lowest_degree,
     reduced,
     sky_line,
+    visibility_line,
 )
 from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.matrices import transfer
@@ -153,6 +154,12 @@ def test_what_the_sky_was_modelled_with(light):
     with_disc[99:101, 255:257] = 3e4 * with_disc.mean()
     sun = analyse(from_pixels(with_disc, "sky"))
     assert "needs a term of its own" in sky_line(choice, sun)
+
+
+def test_visibility_is_worth_it_where_its_lack_is_seen():
+    """2 % less light on white is CIEDE2000 0.45: 116/3 0.02 of L*, over S_L = 1.75."""
+    assert visibility_line(0.02, 0.5).endswith("not worth it")
+    assert visibility_line(0.025, 0.5).endswith("is worth it")
 
 
 def unseen(seed, elevations, ozone=True):

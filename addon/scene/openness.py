@@ -1,0 +1,82 @@
+"""How much of the sky geometry hides from materials: is visibility worth modelling?"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+_POINTS, _RAYS = 64, 64
+"""Places that are looked from, and rays from each: a hundredth of the sky, in some tenths of a
+second."""
+
+_LIFT = 1e-4
+"""How far over its face a place lies, of the scene's size: rays must not meet their own face."""
+
+
+def hidden_share(scene: bpy.types.Scene, chosen: Collection[bpy.types.Material]) -> float | None:
+    """Return the part, 0 to 1, of an even sky's light that is kept from faces of some materials.
+
+    What another object, or the face's own, stands in front of; faces that look down count by the
+    sky that they could see. From a few places in proportion to their area, always the same ones.
+    None where no visible face has one of the materials.
+    """
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    triangles = _triangles(depsgraph, {material.name_full for material in chosen})
+    vectors = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    areas = np.linalg.norm(vectors, axis=1)
+    if not areas.sum() > 0.0:
+        return None
+    places = np.searchsorted(np.cumsum(areas) / areas.sum(), (np.arange(_POINTS) + 0.5) / _POINTS)
+    lift = _LIFT * np.ptp(triangles.reshape(-1, 3), axis=0).max()
+    rng = np.random.default_rng(0)
+    open_sky = seen = 0
+    for place in np.minimum(places, len(areas) - 1):
+        # Evenly over the triangle (R. Osada et al. 2002, DOI 10.1145/571647.571648).
+        root, along = np.sqrt(rng.random()), rng.random()
+        origin = np.array([1.0 - root, root * (1.0 - along), root * along]) @ triangles[place]
+        normal = vectors[place] / areas[place]
+        # Cosine-weighted about the normal (N. Malley): the normal plus an even direction.
+        even = rng.standard_normal((_RAYS, 3))
+        ways = normal + even / np.linalg.norm(even, axis=1, keepdims=True)
+        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-9)
+        start = (origin + lift * normal).tolist()
+        for way in ways[ways[:, 2] > 0.0].tolist():
+            open_sky += 1
+            seen += not scene.ray_cast(depsgraph, start, way)[0]
+    return None if open_sky == 0 else 1.0 - seen / open_sky
+
+
+def _triangles(depsgraph: bpy.types.Depsgraph, names: set[str]) -> NDArray[np.float64]:
+    """Return the triangles (n, 3, 3) with materials so named, in the world, fronts out.
+
+    Of evaluated meshes and their instances.
+    """
+    found = [np.empty((0, 3, 3))]
+    for instance in depsgraph.object_instances:
+        shown = instance.object
+        if shown.type != "MESH" or not shown.data.polygons:
+            continue
+        slots = [
+            slot.material is not None and slot.material.name_full in names
+            for slot in shown.material_slots
+        ]
+        if not any(slots):
+            continue
+        mesh = shown.data
+        mesh.calc_loop_triangles()
+        corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
+        index = np.empty(len(mesh.loop_triangles), np.int32)
+        places = np.empty(3 * len(mesh.vertices), np.float32)
+        mesh.loop_triangles.foreach_get("vertices", corners)
+        mesh.loop_triangles.foreach_get("material_index", index)
+        mesh.vertices.foreach_get("co", places)
+        kept = np.array(slots)[np.minimum(index, len(slots) - 1)]
+        to_world = np.array(instance.matrix_world)
+        vertices = places.reshape(-1, 3) @ to_world[:3, :3].T + to_world[:3, 3]
+        triangles = vertices[corners.reshape(-1, 3)[kept]]
+        mirrored = np.linalg.det(to_world[:3, :3]) < 0.0
+        found.append(triangles[:, ::-1] if mirrored else triangles)
+    return np.concatenate(found)
