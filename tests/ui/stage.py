@@ -18,9 +18,9 @@ BRICK = "wavelength_nm,brick,moss\n" + "".join(
 def write_sky(path, turquoise=1.0, sun=3000.0):
     """A blue gradient with a sun, 256 x 128."""
     d = directions(128, 256)
-    rgb = (0.2 + 0.8 * np.clip(d[..., 2:], 0, 1)) * [0.3, 0.5 * turquoise, 0.9 * turquoise]
+    rgb = (0.2 + 0.8 * np.clip(d[..., 2:], 0, 1)) * [0.35, 0.45 * turquoise, 0.68 * turquoise]
     if sun:
-        rgb[40, 80] = sun
+        rgb[40, 80] = np.array([1.2, 1.0, 0.78]) * sun  # as sun and sky are coloured at 33°
     write_panorama(path, rgb.astype(np.float32))
     return path
 
