@@ -19,8 +19,8 @@ from .sensitivities import cmfs, observer
 
 LIMIT = 0.006
 """Distance in CIE 1976 u'v' over which a colour is outside: for 19 of 20 lights of atmospheres that
-are not in the ensemble `off_locus` finds less than half of it, and for photographed skies about this
-in 99 % of their light; leaves, grass and, by day, warm lamps lie at 0.02 to 0.1 (see the tests)."""
+are not in the ensemble `off_locus` finds less than half of it, for photographed skies about this in
+99 % of their light; leaves, grass and, by day, warm lamps lie at 0.02 to 0.1 (see the tests)."""
 
 _DIRECT_SUN = "sun"
 """The kind "sun" of `sky.daylight_ensemble.KINDS`: a lone red sun has the colours of lamps."""
