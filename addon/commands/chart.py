@@ -81,10 +81,10 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _eevee(rounds: int) -> tuple[dict[str, dict[str, float]], str | None]:
-    """Return what a sample of each material costs in Eevee, and Blender's version, if it is here.
+    """Return what a sample of each material costs in Eevee, and Blender's version; where there is
+    none, say so."""
+    from dataclasses import asdict
 
-    Ratios are of processor time, which other work on the machine hardly touches.
-    """
     try:
         from ..scene import cost
     except ImportError:
@@ -94,13 +94,4 @@ def _eevee(rounds: int) -> tuple[dict[str, dict[str, float]], str | None]:
     for turn, found in enumerate(cost.sample_costs(rounds=rounds), 1):  # noqa: B007
         if sys.stderr.isatty():
             print(f"Eevee: round {turn} of {rounds}", file=sys.stderr)
-    costs = {}
-    for name, one in found.items():
-        (wall, processor), (wall_ratio, ratio) = one.milliseconds, one.ratio
-        costs[name] = {
-            "ratio": ratio,
-            "wall_ratio": wall_ratio,
-            "ms_processor": processor,
-            "ms_wall": wall,
-        }
-    return costs, cost.blender_version()
+    return {name: asdict(one) for name, one in found.items()}, cost.blender_version()

@@ -28,7 +28,7 @@ _PANELS = {
     "Materials: what becomes of the light of a pixel": ("material",),
     "Light: what a face gets of the sky": ("light", "walls"),
 }
-_CLUSTER = 1.3
+_CLUSTER = 1.4
 """Points within this factor of the fastest have their names in a column to the left."""
 
 
@@ -82,10 +82,10 @@ def _panel(axis: Any, title: str, rows: Sequence[Row]) -> tuple[list[_Point], li
         axis.step(*zip(*line, strict=True), where="post", color="#999999", linewidth=1.3, zorder=1)
         lines.append(line)
     x, y = np.array([point[:2] for point in points]).T
-    # Names to the left take so much.
-    room = 1500.0 if sum(x < _CLUSTER * x.min()) > 3 else 15.0
-    axis.set_xlim(x.min() / room, x.max() * 9.0)
-    axis.set_ylim(y.min() / 1.7, y.max() * 1.7)
+    # Names to the left take so much, and the legend over them.
+    left, top = (4000.0, 5.0) if sum(x < _CLUSTER * x.min()) > 3 else (15.0, 1.7)
+    axis.set_xlim(x.min() / left, x.max() * 9.0)
+    axis.set_ylim(y.min() / 1.7, y.max() * top)
     _legend(axis, {row.kind for row in rows})
     return points, lines
 
