@@ -36,12 +36,11 @@ def run(options: argparse.Namespace) -> None:
     from ..spectra.reflectance import read_reflectances
     from ..spectra.sensitivities import camera, observer
     from ..spectra.working_spaces import rec709_to_working
-    from ..transfer.choice import choose_with
+    from ..transfer.choice import choose_with, doubt
     from ..transfer.matrices import transfer
-    from ..transfer.prediction import UNTOLD_WHITE
     from ..transfer.white import AUTO, estimate_white, settle_white
 
-    lights, light, notes, doubt = None, None, [], ""
+    lights, light, notes, doubted = None, None, [], ""
     white, elevation = options.white, options.sun_elevation
     if options.sky_rgb is not None:
         lights = np.array([options.sky_rgb])
@@ -67,7 +66,7 @@ def run(options: argparse.Namespace) -> None:
             white, lambda: estimate_white(light, mapping("rayleigh"), elevation, to_working)
         )
         notes = [*light.notes, note] if note else light.notes
-        doubt = UNTOLD_WHITE if note and options.white is None else ""
+        doubted = doubt(light, tinted=bool(note) and options.white is None)
     elif white == AUTO:
         raise InputError("--white auto", "there is no sky to estimate it from", "give --sky HDRI")
     mapping = partial(mapping, white=white)
@@ -79,7 +78,8 @@ def run(options: argparse.Namespace) -> None:
         lights,
         elevation,
         options.tolerance,
-        doubt,
+        light.outside.foreign if light else 0.0,
+        doubted,
     )
     materials: list[dict[str, Any]] = []
     for file, read in zip(options.files, files, strict=True):

@@ -24,12 +24,12 @@ from ..transfer.choice import (
     SIMPLEST,
     Choice,
     choose_with,
+    doubt,
     lowest_degree,
     sky_line,
     visibility_line,
 )
 from ..transfer.matrices import Transfer, transfer
-from ..transfer.prediction import UNTOLD_WHITE
 from ..transfer.white import AUTO, estimate_white, settle_white
 from . import materials, openness, sky_light, working_space
 from . import settings as world_settings
@@ -77,8 +77,10 @@ class Settings:
             S = sensitivities.camera(self.camera)
         return S if self.white is None else S / np.array(self.white)[:, None]
 
-    def choose(self, light: SkyLight, reflectances: NDArray[np.float64], doubt: str = "") -> Choice:
-        """Return the models of reflectances (m, 81) under a sky; ``doubt`` as in `predict`."""
+    def choose(
+        self, light: SkyLight, reflectances: NDArray[np.float64], doubted: str = ""
+    ) -> Choice:
+        """Return the models of reflectances (m, 81) under a sky; ``doubted``: `choice.doubt`."""
         # A camera's World was developed by one basis already: its materials keep to that.
         basis = "atmosphere" if self.camera and self.basis == SIMPLEST else self.basis
         return choose_with(
@@ -88,7 +90,8 @@ class Settings:
             light.faces,
             light.sun_elevation(self.sun_elevation),
             self.tolerance,
-            doubt,
+            light.outside.foreign,
+            doubted,
         )
 
 
@@ -151,7 +154,7 @@ def make_spectral(
     if settings.white is None:
         tint = estimate_white(light, settings.transfer(light), settings.sun_elevation).line
         light = replace(light, signs=(*light.signs, tint)) if tint else light
-    choice = settings.choose(light, values, UNTOLD_WHITE if tint else "")
+    choice = settings.choose(light, values, doubt(light, tinted=bool(tint)))
     if settings.tolerance is not None:
         to_rec709 = np.linalg.inv(rec709_to_working(choice.transfer.space))
         to_rec709 = to_rec709 @ choice.transfer.to_working

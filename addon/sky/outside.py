@@ -64,6 +64,11 @@ class Outside:
         return bool(self.shares[:, FOREIGN].max() <= _SOME)
 
     @property
+    def foreign(self) -> float:
+        """The part of the light, 0 to 1, that is foreign on the face that has most of it."""
+        return float(self.shares[:, FOREIGN].max())
+
+    @property
     def mostly(self) -> bool:
         """Whether most light on the faces together is foreign."""
         return bool(self.shares.mean(axis=0)[FOREIGN] > 0.5)

@@ -92,7 +92,7 @@ class Ensemble:
         S_in: NDArray[np.float64],
         sun_elevation: float | None = None,
         colours: ArrayLike | None = None,
-        spread: float = 1.0,
+        cautious: bool = False,
     ) -> NDArray[np.float64]:
         """Return how much each member is to be expected, (m,), in sum 1.
 
@@ -105,14 +105,17 @@ class Ensemble:
         colours
             The light's own colours as S_in sees them, (3,) or (k, 3), where known; each counts as
             much as it is bright. Without luminance they are left out.
-        spread
-            Beside a known elevation, how much wider than usual colours are taken to be near.
+        cautious
+            For all that may be, not for the best estimate: kinds of light count alike, and beside
+            a known elevation colours are near that are twice as far.
         """
         XYZ = None if colours is None else self._XYZ(S_in, sun_elevation, colours)
-        weights = self._prior(sun_elevation, colour_known=XYZ is not None)
+        weights = self._prior(sun_elevation, XYZ is not None, 1.0 if cautious else self._shares)
         if XYZ is not None:
             distance = np.sum((self._uv - _uv(XYZ)[:, None]) ** 2, axis=-1)
-            width = _NEAR_COLOUR[0] if sun_elevation is None else _NEAR_COLOUR[1] * spread
+            width = _NEAR_COLOUR[sun_elevation is not None]
+            if cautious and sun_elevation is not None:
+                width *= 2.0
             near = XYZ[:, 1] / XYZ[:, 1].sum() @ np.exp(-0.5 * distance / width**2)
             weights = weights * (near + _FLOOR)
         return weights / weights.sum()
@@ -133,16 +136,18 @@ class Ensemble:
         self, S_in: NDArray, sun_elevation: float | None, colours: ArrayLike
     ) -> NDArray[np.float64] | None:
         """What the observer sees of lights that S_in sees as ``colours``, (k, 3); None if dark."""
-        expected = self._wiener(S_in, self._prior(sun_elevation, colour_known=False))
+        expected = self._wiener(S_in, self._prior(sun_elevation, False, self._shares))
         XYZ = np.atleast_2d(colours) @ (cmfs() * WEIGHTS @ expected).T
         XYZ = XYZ[(XYZ > 0).all(axis=1)]
         return XYZ if len(XYZ) else None
 
-    def _prior(self, sun_elevation: float | None, colour_known: bool) -> NDArray[np.float64]:
+    def _prior(
+        self, sun_elevation: float | None, colour_known: bool, shares: ArrayLike
+    ) -> NDArray[np.float64]:
         """Return how much each member counts (m,) before its colour is looked at."""
         elevations = self.elevations.astype(float)
         nodes, place = np.unique(elevations, return_inverse=True)
-        weights = np.gradient(nodes)[place] * self._shares
+        weights = np.gradient(nodes)[place] * shares
         if sun_elevation is None:
             start, softness, rest = _DAY
             weights *= rest + (1.0 - rest) / (1.0 + np.exp((start - elevations) / softness))

@@ -18,7 +18,7 @@ from ..sky.polynomial import evaluate_polynomial
 from ..spectra.working_spaces import XYZ_to_working
 from .matrices import Transfer
 from .measures import delta_E
-from .prediction import FULL, TODAY, Prediction, predict
+from .prediction import FULL, TODAY, UNTOLD_WHITE, Prediction, predict
 
 MODELS = ("scalar", "diagonal", FULL)
 """From the cheapest: one number, three, nine."""
@@ -111,7 +111,8 @@ def choose(
     lights: ArrayLike | None,
     sun_elevation: float | None = None,
     tolerance: float | None = TOLERANCE,
-    doubt: str = "",
+    foreign: float = 0.0,
+    doubted: str = "",
 ) -> Choice:
     """Choose for reflectances (m, 81) the cheapest models that keep to a tolerance [CIEDE2000].
 
@@ -124,7 +125,7 @@ def choose(
     prediction = None
     if lights is not None:
         models |= reduced(transfer, rho, lights)
-        prediction = predict(transfer, rho, lights, sun_elevation, models, doubt)
+        prediction = predict(transfer, rho, lights, sun_elevation, models, foreign, doubted)
         if tolerance is not None and prediction.known:
             kept = np.stack([prediction.bound[name] <= tolerance for name in MODELS])
             chosen = np.where(kept.any(axis=0), kept.argmax(axis=0), chosen)
@@ -140,7 +141,8 @@ def choose_with(
     lights: ArrayLike | None,
     sun_elevation: float | None = None,
     tolerance: float | None = None,
-    doubt: str = "",
+    foreign: float = 0.0,
+    doubted: str = "",
 ) -> Choice:
     """Choose models with a basis, or with the `SIMPLEST` whose every model keeps to the tolerance.
 
@@ -149,10 +151,18 @@ def choose_with(
     light to judge by, the last of `BASES`.
     """
     if basis != SIMPLEST:
-        return choose(transfer_of(basis), reflectances, lights, sun_elevation, tolerance, doubt)
+        return choose(
+            transfer_of(basis), reflectances, lights, sun_elevation, tolerance, foreign, doubted
+        )
     for name in BASES:
         choice = choose(
-            transfer_of(name), reflectances, lights, sun_elevation, tolerance or TOLERANCE, doubt
+            transfer_of(name),
+            reflectances,
+            lights,
+            sun_elevation,
+            tolerance or TOLERANCE,
+            foreign,
+            doubted,
         )
         if choice.kept:
             break
@@ -202,6 +212,16 @@ def lowest_degree(light: SkyLight, to_rec709: NDArray[np.float64], tolerance: fl
     fits = light.fit.of_degrees
     degree = next((d for d, fit in enumerate(fits) if keeps(fit)), len(fits) - 1)
     return replace(light, fit=replace(light.fit, degree=degree, coefficients=fits[degree]))
+
+
+def doubt(light: SkyLight, tinted: bool) -> str:
+    """Return why no error can be predicted under a sky; empty where it can.
+
+    ``tinted``: whether a white balance is suspected that is not undone (`white.estimate_white`).
+    """
+    if tinted:
+        return UNTOLD_WHITE
+    return f"it is {light.outside.verdict}" if light.outside.mostly else ""
 
 
 def sky_line(choice: Choice, light: SkyLight) -> str:

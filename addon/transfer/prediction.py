@@ -40,14 +40,14 @@ LOWEST_SUN = -6.0
 _DRAWS = 100
 _COVERED = 0.95
 
-_STRANGER = 0.03, 30.0
+_STRANGER = 0.026, 30.0
 """What the ensemble does not know of a spectrum: a smooth relative error, its standard deviation
 and its correlation length [nm]. Found by leaving out one kind of sky at a time (measured days,
-others' models, our own with other air): with it the bound holds for 95 % of the cases of each."""
+others' models, our own with other air): with it the bound holds for 95 % of the cases of most."""
 
-_SPREAD = 2.0
-"""How much wider than for the best estimate lights are taken to be near in colour: a sky of another
-make has this colour for other reasons."""
+_FOREIGN = 0.5
+"""How much larger that error is, per part of the light that is no skylight: leaves that give a
+third of it leave a full matrix CIEDE2000 1.0 off (see tests/stability)."""
 
 
 @dataclass(frozen=True)
@@ -89,14 +89,16 @@ def predict(
     lights: ArrayLike,
     sun_elevation: float | None = None,
     models: Mapping[str, NDArray[np.float64]] | None = None,
+    foreign: float = 0.0,
     doubt: str = "",
 ) -> Prediction:
     """Predict the errors of reflectances (m, 81) under lights (k, 3), RGB irradiances of the HDRI.
 
     ``sun_elevation`` [degrees]: where not known, a sun over some 8° is expected; a lower one makes
     larger errors than predicted. ``models``: further matrices (m, 3, 3) by name, judged as the full
-    ones are. ``doubt``: what else makes the prediction unknown, as `UNTOLD_WHITE`. Lights without
-    luminance are left out.
+    ones are. ``foreign``: the part of the light, 0 to 1, that is known to be no skylight
+    (`sky.outside`). ``doubt``: what else makes the prediction unknown, as `UNTOLD_WHITE`. Lights
+    without luminance are left out.
     """
     rho = np.atleast_2d(np.asarray(reflectances, dtype=float))
     lights = np.atleast_2d(np.asarray(lights, dtype=float))
@@ -111,7 +113,7 @@ def predict(
         nothing = {name: np.full(len(rho), np.nan) for name in (TODAY, *matrices)}
         return Prediction(nothing, nothing, colour, out_of_gamut, unknown)
     lights = lights / luminance[:, None]
-    rest = _untold(transfer, lights, sun_elevation)
+    rest = _untold(transfer, lights, sun_elevation, foreign)
     white = lights @ transfer.to_working.T
     mean, bound = {}, {}
     for start in range(0, len(rho), _AT_ONCE):
@@ -163,28 +165,31 @@ def _unknown(transfer: Transfer, lights: NDArray, sun_elevation: float | None) -
 
 
 def _untold(
-    transfer: Transfer, lights: NDArray[np.float64], sun_elevation: float | None
+    transfer: Transfer,
+    lights: NDArray[np.float64],
+    sun_elevation: float | None,
+    foreign: float,
 ) -> NDArray[np.float64]:
     """Return what S_in does not see of possible lights, each of luminance 1, (n, 81)."""
     ensemble = shipped()
     weights = ensemble.weights(
-        transfer.S_in, sun_elevation, transfer.unbalanced(lights), spread=_SPREAD
+        transfer.S_in, sun_elevation, transfer.unbalanced(lights), cautious=True
     )
     # Members as often as they are expected, without chance.
     places = np.searchsorted(np.cumsum(weights), (np.arange(_DRAWS) + 0.5) / _DRAWS)
-    spectra = ensemble.some(np.minimum(places, len(weights) - 1)) * (1.0 + _strange())
+    scale = np.hypot(_STRANGER[0], _FOREIGN * foreign)
+    spectra = ensemble.some(np.minimum(places, len(weights) - 1)) * (1.0 + scale * _strange())
     spectra /= (spectra @ observer().T @ np.linalg.inv(XYZ_to_working(DEFAULT_SPACE))[1])[:, None]
     return spectra - spectra @ transfer.S_in.T @ transfer.restoration.T
 
 
 @cache
 def _strange() -> NDArray[np.float64]:
-    """Smooth relative errors, (n, 81): normal, their covariance a Gaussian of the distance."""
-    deviation, length = _STRANGER
-    distance = WAVELENGTHS[:, None] - WAVELENGTHS
-    sizes, shapes = np.linalg.eigh(np.exp(-0.5 * (distance / length) ** 2))
+    """Smooth errors of deviation 1, (n, 81): normal, covariance a Gaussian of the distance."""
+    distance = (WAVELENGTHS[:, None] - WAVELENGTHS) / _STRANGER[1]
+    sizes, shapes = np.linalg.eigh(np.exp(-0.5 * distance**2))
     shapes *= np.sqrt(np.maximum(sizes, 0.0))
-    return deviation * np.random.default_rng(0).standard_normal((_DRAWS, len(sizes))) @ shapes.T
+    return np.random.default_rng(0).standard_normal((_DRAWS, len(sizes))) @ shapes.T
 
 
 def _delta_E(Lab: NDArray[np.float64], true: NDArray[np.float64]) -> NDArray[np.float64]:

