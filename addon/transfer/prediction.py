@@ -106,7 +106,8 @@ def predict(
     colour = matrices[FULL] @ lights[0]
     out_of_gamut = (colour < -1e-6 * np.abs(colour).max(axis=-1, keepdims=True)).any(axis=-1)
     to_Y = np.linalg.inv(XYZ_to_working(transfer.space))[1]
-    luminance = lights @ transfer.to_working.T @ to_Y
+    # As it was before it was balanced, whatever the size of the white: what is drawn has 1.
+    luminance = transfer.unbalanced(lights) @ (transfer.S_out @ transfer.restoration).T @ to_Y
     lights, luminance = lights[luminance > 0], luminance[luminance > 0]
     unknown = doubt or _unknown(transfer, lights, sun_elevation)
     if unknown or not len(rho):

@@ -88,6 +88,13 @@ def test_the_prediction_does_not_depend_on_a_white_balance_that_is_told(checker)
     np.testing.assert_allclose(told.matrix, plain.matrix, rtol=0.35, atol=0.01)
 
 
+def test_the_size_of_the_white_does_not_count(checker):
+    white = np.array([0.8, 1.0, 1.4])
+    one, other = (predict(transfer(white=size * white), checker, BLUE / white) for size in (1, 50))
+    for name in (TODAY, FULL):
+        np.testing.assert_allclose(other.bound[name], one.bound[name], rtol=1e-6, atol=1e-6)
+
+
 def test_the_more_a_model_has_the_nearer_it_comes(checker, light):
     found = choose(transfer(), checker, light.faces, 20.0).prediction.mean
     assert found["scalar"].mean() > found["diagonal"].mean() > found[FULL].mean()
