@@ -195,6 +195,14 @@ def test_a_world_that_is_mostly_outside_is_unknown():
     assert "mostly outside" in doubt(analyse(from_pixels(lamps, "sky")), tinted=False)
 
 
+def test_greys_are_covered():
+    """Bound and true error are 0 but for rounding."""
+    lights = np.array([[1.0, 1.0, 0.0], [1.0, 2.0, 0.0], [1.0, 1.0, 1.0]]) @ bases.rayleigh()
+    greys = np.array([0.0, 0.03, 0.5, 1.0])[:, None] * np.ones(81)
+    found = calibrate(lights, greys)
+    assert found.unknown == 0.0 and found.covered == 1.0
+
+
 def unseen(seed, elevations, ozone=True):
     """Simulated light of air that is not in the ensemble."""
     rng = np.random.default_rng(seed)
