@@ -87,6 +87,17 @@ def test_a_sky_of_no_sky_s_colour_is_unknown(capsys, csv):
     assert "predicted_delta_E" not in red and "no colour of skylight" in red["unknown"]
 
 
+@pytest.mark.parametrize("rgb", ["nan,1,1", "1,inf,1"])
+def test_a_sky_rgb_that_is_none_is_refused(capsys, csv, rgb):
+    code, out, err = run(capsys, "matrix", csv, "--sky-rgb", rgb, "--json")
+    assert code == 2 and not out and err.startswith("spectral-skylight: --sky-rgb: is not finite")
+
+
+def test_the_simplest_basis_says_the_tolerance_it_keeps_to(capsys, csv):
+    command = ("matrix", csv, "--sky-rgb", "0.2,0.35,0.7", "--basis", "simplest", "--json")
+    assert json.loads(run(capsys, *command)[1])["tolerance"] == 0.5
+
+
 def test_sky_writes_rgb_and_spectrum(capsys, tmp_path):
     rgb, spectral = tmp_path / "sky.exr", tmp_path / "spectral.exr"
     code, *_ = run(

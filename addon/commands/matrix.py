@@ -43,6 +43,8 @@ def run(options: argparse.Namespace) -> None:
     lights, light, notes, doubted = None, None, [], ""
     white, elevation = options.white, options.sun_elevation
     if options.sky_rgb is not None:
+        if not np.isfinite(options.sky_rgb).all():
+            raise InputError("--sky-rgb", "is not finite", "give three numbers R,G,B")
         lights = np.array([options.sky_rgb])
     elif options.sky is not None:
         S_in = observer() if options.camera is None else camera(options.camera)
@@ -103,7 +105,7 @@ def run(options: argparse.Namespace) -> None:
         "sun_elevation": elevation,
         "sky": options.sky,
         "sky_rgb": options.sky_rgb,
-        "tolerance": options.tolerance,
+        "tolerance": choice.tolerance,
         "notes": notes,
     }
     if options.json:
