@@ -1,6 +1,9 @@
 """The command line's contracts: outputs, exit codes, one-line errors, nothing half-written."""
 
 import json
+import os
+import subprocess
+import sys
 
 import numpy as np
 import OpenEXR
@@ -96,6 +99,28 @@ def test_a_sky_rgb_that_is_none_is_refused(capsys, csv, rgb):
 def test_the_simplest_basis_says_the_tolerance_it_keeps_to(capsys, csv):
     command = ("matrix", csv, "--sky-rgb", "0.2,0.35,0.7", "--basis", "simplest", "--json")
     assert json.loads(run(capsys, *command)[1])["tolerance"] == 0.5
+
+
+def test_evaluate_names_the_matplotlib_that_it_misses(tmp_path):
+    """In a process of its own: colour-science looks for it once, when it is imported."""
+    missing = tmp_path / "matplotlib"
+    missing.mkdir()
+    (missing / "__init__.py").write_text("raise ImportError")
+    start = "from spectral_skylight.addon.cli import main; raise SystemExit(main(sys.argv[1:]))"
+    found = subprocess.run(
+        [sys.executable, "-c", f"import sys; {start}", "evaluate", "--out", tmp_path / "out"],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path[1:]])},
+        capture_output=True,
+        text=True,
+    )
+    assert found.returncode == 2 and found.stderr.count("\n") == 1
+    assert "matplotlib: is needed to draw figures" in found.stderr
+
+
+def test_predictions_are_of_one_basis(capsys, csv):
+    command = ("evaluate", "--predicted", "--daylight", csv, "--basis", "rayleigh", "daylight")
+    code, _, err = run(capsys, *command)
+    assert code == 2 and "--basis: more than one with --predicted; give one" in err
 
 
 def test_sky_writes_rgb_and_spectrum(capsys, tmp_path):

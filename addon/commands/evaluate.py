@@ -72,9 +72,13 @@ def run(options: argparse.Namespace) -> None:
 
     from ..spectra.light import read_light
     from ..spectra.reflectance import read_reflectances
+    from ..transfer.charts import new_figure
     from ..transfer.evaluation import colorchecker
     from ..transfer.report import report_day, report_light
 
+    if not options.predicted:
+        # Before colour-science is imported, which puts a dummy where matplotlib is missing.
+        new_figure(1.0, 1.0)
     bases = options.basis or ["rayleigh", "daylight", "atmosphere"]
     names, values = colorchecker()
     if options.reflectances:
@@ -133,6 +137,8 @@ def _print_predicted(options: argparse.Namespace, rho: Any) -> None:
 
     if not options.daylight:
         raise InputError("--predicted", "there is no measured light", "give --daylight FILE.csv")
+    if len(options.basis or []) > 1:
+        raise InputError("--basis", "more than one with --predicted", "give one")
     basis = (options.basis or ["atmosphere"])[0]
     sites = {}
     for file in options.daylight:
@@ -154,7 +160,9 @@ def _print_predicted(options: argparse.Namespace, rho: Any) -> None:
     if options.out is not None:
         out = Path(options.out)
         out.mkdir(parents=True, exist_ok=True)
-        (out / "predicted.json").write_text(json.dumps(result, indent=1), encoding="utf-8")
+        (out / "predicted.json").write_text(
+            json.dumps(result, indent=1, allow_nan=False), encoding="utf-8"
+        )
     if options.json:
         print(json.dumps(result, indent=1, allow_nan=False))
         return
