@@ -83,7 +83,7 @@ def _panel(axis: Any, title: str, rows: Sequence[Row]) -> tuple[list[_Point], li
         lines.append(line)
     x, y = np.array([point[:2] for point in points]).T
     # Names to the left take so much, and the legend over them.
-    left, top = (4000.0, 5.0) if sum(x < _CLUSTER * x.min()) > 3 else (15.0, 1.7)
+    left, top = (6000.0, 5.0) if sum(x < _CLUSTER * x.min()) > 3 else (15.0, 1.7)
     axis.set_xlim(x.min() / left, x.max() * 9.0)
     axis.set_ylim(y.min() / 1.7, y.max() * top)
     _legend(axis, {row.kind for row in rows})
@@ -145,7 +145,8 @@ def _strip(axis: Any, eevee: Mapping[str, tuple[float, str]]) -> None:
         axis.text(ratio + 0.015, place, f"{ratio:.2f}", va="center", fontsize=9, weight="bold")
         axis.text(column, place, remark, va="center", fontsize=9, color="#444444")
     axis.set_yticks(range(len(eevee)), list(eevee), fontsize=9)
-    axis.set(xlim=(0, 2.2), ylim=(len(eevee) - 0.5, -0.5), xticks=[])
+    # The remarks want two fifths of the width, however long the bars.
+    axis.set(xlim=(0, column / 0.6), ylim=(len(eevee) - 0.5, -0.5), xticks=[])
     axis.tick_params(left=False)
     axis.set_title("Eevee: time of one sample over that of plain Diffuse", loc="left", fontsize=12)
     axis.axvline(1.0, color="#999999", linewidth=0.8, zorder=0)
