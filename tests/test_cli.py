@@ -158,6 +158,8 @@ WRONG = {
     "no file": (["matrix"], "required"),
     "missing file": (["matrix", "none.csv", "--json"], "none.csv"),
     "unknown basis": (["matrix", "CSV", "--basis", "fourier"], "rayleigh"),
+    "chart into a file": (["chart", "--out", "CSV"], "cannot be made a folder"),
+    "tolerance without end": (["matrix", "CSV", "--tolerance", "inf"], "above 0"),
     "tolerance of nothing": (["matrix", "CSV", "--tolerance", "0"], "above 0"),
     "unknown space": (["matrix", "CSV", "--space", "sRGB"], "ACEScg"),
     "unknown camera": (["matrix", "CSV", "--camera", "Brownie"], "Nikon 5100"),

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
+
+from ..errors import InputError
 
 
 def three(text: str) -> tuple[float, float, float]:
@@ -14,13 +17,32 @@ def three(text: str) -> tuple[float, float, float]:
     return r, g, b
 
 
+def folder(path: str) -> Path:
+    """Return a folder that results can go to, checked before the work and not after it.
+
+    It is made and taken away again: work that stops leaves nothing. Raises `InputError` where it
+    cannot be made.
+    """
+    found = Path(path)
+    missing = [each for each in (found, *found.parents) if not each.exists()]
+    try:
+        found.mkdir(parents=True, exist_ok=True)
+        for each in missing:
+            each.rmdir()
+    except OSError as error:
+        raise InputError(
+            path, f"cannot be made a folder ({error.strerror})", "give --out another one"
+        ) from None
+    return found
+
+
 def positive(text: str) -> float:
     """Return a number above 0."""
     try:
         value = float(text)
     except ValueError:
         value = 0.0
-    if not value > 0.0:
+    if not 0.0 < value < float("inf"):
         raise argparse.ArgumentTypeError(f"'{text}' is no number above 0")
     return value
 

@@ -8,6 +8,7 @@ import sys
 from typing import Any
 
 from ..errors import InputError
+from .arguments import folder
 
 
 def add(commands: Any) -> None:
@@ -38,8 +39,6 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Measure every method, write picture and tables, and print them."""
-    from pathlib import Path
-
     import numpy as np
 
     from ..spectra.reflectance import read_reflectances
@@ -54,6 +53,7 @@ def run(options: argparse.Namespace) -> None:
     if not 0 <= options.eevee <= 100:
         raise InputError("--eevee", f"{options.eevee} rounds", "give 0 to 100")
     new_figure(1.0, 1.0)  # rather now than after minutes
+    out = folder(options.out)
     rho = colorchecker()[1]
     if options.reflectances:
         read = [read_reflectances(file, options.unit) for file in options.reflectances]
@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> None:
     skies = full_skies(options.skies or ELEVATIONS, watched)
     found = rows(skies, rho, rounds=options.rounds, methods=methods, progress=watched)
     costs, blender = _eevee(options.eevee) if options.eevee else ({}, None)
-    result = report_chart(Path(options.out), found, skies, rho, costs, blender)
+    result = report_chart(out, found, skies, rho, costs, blender)
     if options.json:
         print(json.dumps(result, indent=1, allow_nan=False))
         return

@@ -8,7 +8,7 @@ import sys
 from typing import Any
 
 from ..errors import InputError
-from .arguments import positive
+from .arguments import folder, positive
 
 
 def add(commands: Any) -> None:
@@ -66,8 +66,6 @@ def _numbers(text: str) -> list[float]:
 
 def run(options: argparse.Namespace) -> None:
     """Write figures and tables; print the summary."""
-    from pathlib import Path
-
     import numpy as np
 
     from ..spectra.light import read_light
@@ -90,11 +88,12 @@ def run(options: argparse.Namespace) -> None:
         return
     if options.out is None:
         raise InputError("--out", "is missing", "give a folder for figures and tables")
+    out = folder(options.out)
     if options.daylight:
         if len(options.daylight) > 1:
             raise InputError("--daylight", "more than one file", "give one, or --predicted")
         result = report_light(
-            Path(options.out),
+            out,
             read_light(options.daylight[0]),
             values,
             bases,
@@ -105,7 +104,7 @@ def run(options: argparse.Namespace) -> None:
     else:
         place = (options.date, options.latitude, options.longitude, options.timezone)
         result = report_day(
-            Path(options.out),
+            out,
             place,
             (names, values),
             bases,
@@ -140,6 +139,7 @@ def _print_predicted(options: argparse.Namespace, rho: Any) -> None:
     if len(options.basis or []) > 1:
         raise InputError("--basis", "more than one with --predicted", "give one")
     basis = (options.basis or ["atmosphere"])[0]
+    out = None if options.out is None else folder(options.out)
     sites = {}
     for file in options.daylight:
         light = read_light(file)
@@ -157,8 +157,7 @@ def _print_predicted(options: argparse.Namespace, rho: Any) -> None:
         "sites": {file: site.report() for file, site in sites.items()},
         "all": joined(sites.values()).report(),
     }
-    if options.out is not None:
-        out = Path(options.out)
+    if out is not None:
         out.mkdir(parents=True, exist_ok=True)
         (out / "predicted.json").write_text(
             json.dumps(result, indent=1, allow_nan=False), encoding="utf-8"

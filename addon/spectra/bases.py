@@ -81,7 +81,8 @@ def atmosphere(
     paper = restoration(rayleigh(), S_in)
     expected = shipped().restoration(S_in, sun_elevation, sky_rgb)
     if sun_elevation is None:
-        lean = _LEAN if sky_rgb is None else _LEAN_BY_COLOUR
+        coloured = sky_rgb is not None and np.any(np.asarray(sky_rgb) > 0)
+        lean = _LEAN_BY_COLOUR if coloured else _LEAN
     else:
         start, softness = _DAY
         lean = _LEAN / (1.0 + np.exp((start - sun_elevation) / softness))

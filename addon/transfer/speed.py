@@ -15,6 +15,8 @@ _NUMBERS = 2**18
 """Of pixels times numbers in the state: so much is at hand in the cache, and left to one thread."""
 _ROUND = 0.004
 """[s] that a task takes in each round."""
+_LEAST = 0.1
+"""[ns] a pixel: less is a busy machine's noise, for a processor's cycle is as long."""
 
 Shade = Callable[[NDArray, NDArray], NDArray]
 """``shade(state, pixels)`` of `methods` or `light_methods`, pixels (c, k)."""
@@ -55,7 +57,7 @@ def nanoseconds(
             for long, short in (pairs.min(axis=0), np.median(pairs, axis=0))
         )
         # The clock's own grain can leave less than nothing of the cheapest.
-        found[kind] = max(least, 1e-3), max(median, 1e-3)
+        found[kind] = max(least, _LEAST), max(median, _LEAST)
     return {name: found[kind] for name, kind in kinds.items()}
 
 

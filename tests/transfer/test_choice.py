@@ -229,17 +229,21 @@ def test_it_holds_for_kinds_of_light_that_were_left_out(checker, monkeypatch):
     """One kind at a time taken from the ensemble, and its members predicted by the others.
 
     What is aimed at: 95 % of the cases in the mean, 85 % of each kind, a bound at most three times
-    the error in the median, a rank correlation of 0.6. Twelve lights a kind stray by some 0.05.
+    the error in the median, a rank correlation of 0.6. Twenty-four lights a kind stray by some
+    0.05; light off leaves is like nothing else in the ensemble, 0.84 in the mean of many draws.
     """
-    whole, rng, found = shipped(), np.random.default_rng(3), []
-    for kind in set(daylight_ensemble.KINDS) - {"sun"}:  # a lone low sun's colour is no sky's
+    whole, found = shipped(), []
+    for kind in daylight_ensemble.KINDS:
+        if kind == "sun":  # a lone low sun's colour is no sky's
+            continue
+        rng = np.random.default_rng(3)
         left_out = whole.kinds == kind
         rest = replace(whole, **{name: getattr(whole, name)[~left_out] for name in BY_MEMBER})
         for module in (bases, prediction):
             monkeypatch.setattr(module, "shipped", lambda rest=rest: rest)
-        some = rng.choice(np.flatnonzero(left_out & whole.ozone), 12, replace=False)
+        some = rng.choice(np.flatnonzero(left_out & whole.ozone), 24, replace=False)
         found.append(calibrate(whole.some(some), checker, whole.elevations[some]))
-        assert found[-1].covered >= 0.78, kind
+        assert found[-1].covered >= (0.7 if kind == "surroundings" else 0.82), kind
     together = joined(found)
     assert together.covered >= 0.93
     assert together.sharpness <= 3.0 and together.rank_correlation >= 0.6
