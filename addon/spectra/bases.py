@@ -91,8 +91,9 @@ def atmosphere(
 
 def restoration(B: NDArray[np.float64], S_in: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return ``B^T A^-1`` (n, 3) for a basis B (3, n) and sensitivities S_in (3, n)."""
-    # Rows of one length: the result depends on the span of B alone, its rounding on the lengths.
-    B = B / np.linalg.norm(B, axis=1, keepdims=True)
+    # Rows of one size: the result depends on the span of B alone, its rounding on the sizes. (Of
+    # lengths, the squares of tiny rows would be lost.)
+    B = B / np.abs(B).max(axis=1, keepdims=True)
     A = S_in @ B.T
     return np.linalg.solve(A.T, B).T
 

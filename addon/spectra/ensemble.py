@@ -38,7 +38,7 @@ _DAY = 8.0, 3.0, 0.02
 and what is left for lower suns. Three numbers do not tell a twilight's ozone; guessed by day, it
 costs."""
 
-_WITHOUT_OZONE = 0.15
+_WITHOUT_OZONE = 0.25
 """How much members without ozone count where the colour is known, and may tell; else they do not.
 The air always holds ozone, but many a model of the sky does not, and HDRIs are made with those."""
 

@@ -9,10 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
 from ..spectra.sensitivities import observer
 from .choice import FULL, TOLERANCE, choose
-from .evaluation import one_each, true_colours
+from .evaluation import of_one_luminance, one_each, true_colours
 from .matrices import transfer
 from .measures import delta_E
 
@@ -116,11 +115,7 @@ def calibrate(
     InputError
         As `evaluate` does.
     """
-    lights = np.atleast_2d(np.asarray(lights, dtype=float))
-    luminance = lights @ observer().T @ [0.2126, 0.7152, 0.0722]
-    if np.any(luminance <= 0):
-        raise InputError("daylight", "a spectrum holds no light", "leave it out")
-    lights = lights / luminance[:, None]
+    lights = of_one_luminance(lights)
     rho = np.atleast_2d(np.asarray(reflectances, dtype=float))
     elevations = one_each(sun_elevation, len(lights))
     names = [str(k) for k in range(len(lights))] if skies is None else list(skies)
@@ -131,17 +126,23 @@ def calibrate(
         seen = lights[of] @ mapping.S_in.T
         mapping = transfer(basis, camera=camera, sun_elevation=elevations[of[0]], sky_rgb=seen)
         choice = choose(mapping, rho, seen, elevations[of[0]], tolerance)
-        colours, white = true_colours(lights[of], rho), (lights[of] @ observer().T)[:, None]
-
-        def error(M: NDArray, seen=seen, colours=colours, white=white) -> NDArray:
-            estimate = np.einsum("mij,kj->kmi", M, seen)
-            return np.percentile(delta_E(estimate, colours, white), 95, axis=0)
-
-        true.append(error(mapping.matrices(rho)))
         assert choice.prediction is not None
+        true.append(_case_errors(mapping.matrices(rho), seen, lights[of], rho))
         predicted.append(choice.prediction.bound[FULL])
-        chosen.append(error(choice.matrices))
+        chosen.append(_case_errors(choice.matrices, seen, lights[of], rho))
     return Calibration(np.array(true), np.array(predicted), np.array(chosen), tolerance)
+
+
+def _case_errors(
+    M: NDArray[np.float64],
+    seen: NDArray[np.float64],
+    lights: NDArray[np.float64],
+    rho: NDArray[np.float64],
+) -> NDArray[np.float64]:
+    """Return what matrices (m, 3, 3) leave of one sky's lights (k, 81), seen as (k, 3): (m,)."""
+    estimate = np.einsum("mij,kj->kmi", M, seen)
+    errors = delta_E(estimate, true_colours(lights, rho), (lights @ observer().T)[:, None])
+    return np.percentile(errors, 95, axis=0)
 
 
 def joined(sites: Iterable[Calibration]) -> Calibration:

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..sky.irradiance import exact_irradiance
 from ..sky.light import SkyLight
+from ..sky.panorama import LUMINANCE
 from ..sky.polynomial import evaluate_polynomial
 from ..spectra.working_spaces import XYZ_to_working
 from .matrices import Transfer
@@ -201,7 +202,7 @@ def lowest_degree(light: SkyLight, to_rec709: NDArray[np.float64], tolerance: fl
     """
     normals = _upward_normals(400)
     true = exact_irradiance(light.sky, normals) @ to_rec709.T
-    if not np.all(true @ _LUMINANCE > 0.0):
+    if not np.all(true @ LUMINANCE > 0.0):
         return light
 
     def keeps(coefficients: NDArray[np.float64]) -> bool:
@@ -243,9 +244,6 @@ def _darker(share: float) -> float:
     """Return the CIEDE2000 of a white that lacks this part, 0 to 1, of its light."""
     white = np.ones(3)
     return float(delta_E((1.0 - share) * white, white, white))
-
-
-_LUMINANCE: NDArray[np.float64] = np.array([0.2126, 0.7152, 0.0722])
 
 
 def _upward_normals(count: int) -> NDArray[np.float64]:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from ..sky.panorama import LUMINANCE
 from ..spectra.grid import resample
 from ..spectra.sensitivities import observer
 from .measures import delta_E, relative_error
@@ -83,11 +84,7 @@ def evaluate(
     InputError
         As `transfer` does; elevations that are neither one nor k; light without luminance.
     """
-    lights = np.atleast_2d(lights).astype(float)
-    luminance = (lights @ observer().T) @ _LUMINANCE
-    if np.any(luminance <= 0):
-        raise InputError("daylight", "a spectrum holds no light", "leave it out")
-    lights = lights / luminance[:, None]
+    lights = of_one_luminance(lights)
     # Each light is a sky of its own: what a method is told, it is told of that light.
     elevations = one_each(sun_elevation, len(lights))
     skies = [Sky(light[None], e, camera) for light, e in zip(lights, elevations, strict=True)]
@@ -116,6 +113,15 @@ def errors_of(
         yield Errors(method.name, *errors)
 
 
+def of_one_luminance(lights: ArrayLike) -> NDArray[np.float64]:
+    """Return spectra (k, 81), each over its luminance. Raises `InputError` where one has none."""
+    lights = np.atleast_2d(np.asarray(lights, dtype=float))
+    luminance = lights @ observer().T @ LUMINANCE
+    if np.any(luminance <= 0):
+        raise InputError("daylight", "a spectrum holds no light", "leave it out")
+    return lights / luminance[:, None]
+
+
 def one_each(sun_elevation: ArrayLike | None, count: int) -> list[float] | list[None]:
     """Return an elevation for each of ``count`` lights, from one for all or from as many.
 
@@ -139,6 +145,3 @@ def _statistics(values: NDArray[np.float64]) -> dict[str, float]:
         "p95": float(np.percentile(values, 95)),
         "max": float(values.max()),
     }
-
-
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
