@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from ..errors import InputError
 
@@ -34,6 +35,20 @@ def folder(path: str) -> Path:
             path, f"cannot be made a folder ({error.strerror})", "give --out another one"
         ) from None
     return found
+
+
+def chosen_reflectances(options: argparse.Namespace) -> tuple[tuple[str, ...], Any]:
+    """Return names and reflectances (m, 81) of ``--reflectances``, else the ColorChecker's."""
+    import numpy as np
+
+    from ..spectra.reflectance import read_reflectances
+    from ..transfer.evaluation import colorchecker
+
+    if not options.reflectances:
+        return colorchecker()
+    read = [read_reflectances(file, options.unit) for file in options.reflectances]
+    names = tuple(name for one in read for name in one.names)
+    return names, np.concatenate([one.values for one in read])
 
 
 def positive(text: str) -> float:

@@ -8,7 +8,7 @@ import sys
 from typing import Any
 
 from ..errors import InputError
-from .arguments import folder
+from .arguments import chosen_reflectances, folder
 
 
 def add(commands: Any) -> None:
@@ -39,13 +39,9 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Measure every method, write picture and tables, and print them."""
-    import numpy as np
-
-    from ..spectra.reflectance import read_reflectances
     from ..transfer.chart import ELEVATIONS, full_skies, rows
     from ..transfer.chart_report import report_chart
     from ..transfer.charts import new_figure
-    from ..transfer.evaluation import colorchecker
     from ..transfer.methods import METHODS, with_basis
 
     if not 1 <= options.rounds <= 1000:
@@ -54,10 +50,7 @@ def run(options: argparse.Namespace) -> None:
         raise InputError("--eevee", f"{options.eevee} rounds", "give 0 to 100")
     new_figure(1.0, 1.0)  # rather now than after minutes
     out = folder(options.out)
-    rho = colorchecker()[1]
-    if options.reflectances:
-        read = [read_reflectances(file, options.unit) for file in options.reflectances]
-        rho = np.concatenate([one.values for one in read])
+    _, rho = chosen_reflectances(options)
     further = (with_basis(name) for name in options.basis)
     methods = {**METHODS, **{method.name: method for method in further}}
     watched = sys.stderr.isatty()

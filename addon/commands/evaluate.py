@@ -8,7 +8,7 @@ import sys
 from typing import Any
 
 from ..errors import InputError
-from .arguments import folder, positive
+from .arguments import chosen_reflectances, folder, positive
 
 
 def add(commands: Any) -> None:
@@ -66,23 +66,15 @@ def _numbers(text: str) -> list[float]:
 
 def run(options: argparse.Namespace) -> None:
     """Write figures and tables; print the summary."""
-    import numpy as np
-
     from ..spectra.light import read_light
-    from ..spectra.reflectance import read_reflectances
     from ..transfer.charts import new_figure
-    from ..transfer.evaluation import colorchecker
     from ..transfer.report import report_day, report_light
 
     if not options.predicted:
         # Before colour-science is imported, which puts a dummy where matplotlib is missing.
         new_figure(1.0, 1.0)
     bases = options.basis or ["rayleigh", "daylight", "atmosphere"]
-    names, values = colorchecker()
-    if options.reflectances:
-        read = [read_reflectances(file, options.unit) for file in options.reflectances]
-        names = tuple(name for one in read for name in one.names)
-        values = np.concatenate([one.values for one in read])
+    names, values = chosen_reflectances(options)
     if options.predicted:
         _print_predicted(options, values)
         return

@@ -175,7 +175,7 @@ def fit_coefficients(
         raise ValueError(f"degree {degree} is not in 0 to {HIGHEST_DEGREE}")
     to_xyz = np.asarray(to_xyz, dtype=float)
     sums = _running_sums(rgb)
-    fitted, checked = _spread(1000, 0.0), _spread(1501, 1.0)
+    fitted, checked = spread(1000), spread(1501, 1.0)
     checked = checked[checked[:, 2] >= 0.0]
     target, truth = _gather(sums, fitted), _gather(sums, checked) @ to_xyz.T
     luminance = target @ to_xyz[1]
@@ -198,8 +198,8 @@ def fit_coefficients(
     return Fit(degree, coefficients[degree], tuple(errors), tuple(coefficients))
 
 
-def _spread(count: int, turn: float) -> NDArray[np.float64]:
-    """Return evenly spread unit vectors, (count, 3): a Fibonacci spiral.
+def spread(count: int, turn: float = 0.0) -> NDArray[np.float64]:
+    """Return evenly spread unit vectors, (count, 3): a Fibonacci spiral, turned by ``turn`` [rad].
 
     R. Swinbank and R. J. Purser 2006, DOI 10.1256/qj.05.227.
     """

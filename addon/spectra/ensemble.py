@@ -112,7 +112,7 @@ class Ensemble:
         XYZ = None if colours is None else self._XYZ(S_in, sun_elevation, colours)
         weights = self._prior(sun_elevation, XYZ is not None, 1.0 if cautious else self._shares)
         if XYZ is not None:
-            distance = np.sum((self._uv - _uv(XYZ)[:, None]) ** 2, axis=-1)
+            distance = np.sum((self._uv - uv(XYZ)[:, None]) ** 2, axis=-1)
             width = _NEAR_COLOUR[sun_elevation is not None]
             if cautious and sun_elevation is not None:
                 width *= 2.0
@@ -173,7 +173,7 @@ class Ensemble:
     @cached_property
     def _uv(self) -> NDArray[np.float64]:
         """CIE 1976 u'v' of every member, (m, 2)."""
-        return _uv(self.scores @ (self.components @ (cmfs() * WEIGHTS).T))
+        return uv(self.scores @ (self.components @ (cmfs() * WEIGHTS).T))
 
     def _wiener(self, S_in: NDArray, weights: NDArray) -> NDArray[np.float64]:
         scores = self.scores.astype(float)
@@ -192,7 +192,7 @@ def shipped() -> Ensemble:
         raise InputError(TABLE, f"cannot be read ({error})", "install the add-on again") from error
 
 
-def _uv(XYZ: NDArray[np.float64]) -> NDArray[np.float64]:
+def uv(XYZ: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return CIE 1976 u'v' (..., 2)."""
     X, Y, Z = np.moveaxis(XYZ, -1, 0)
     return np.stack([4.0 * X, 9.0 * Y], axis=-1) / (X + 15.0 * Y + 3.0 * Z)[..., None]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .bases import rayleigh, restoration
-from .ensemble import shipped
+from .ensemble import shipped, uv
 from .grid import WEIGHTS
 from .sensitivities import cmfs, observer
 
@@ -66,7 +66,7 @@ def off_locus(
     place = XYZ @ [1.0, 15.0, 3.0] > 0
     distance = np.where(flat.any(axis=1), np.inf, 0.0)
     tree = _tree(S_in.tobytes(), to_XYZ.tobytes(), sun_elevation, direct_sun)
-    distance[place] = tree.query(_uv(XYZ[place]), k=[2])[0][:, 0]
+    distance[place] = tree.query(uv(XYZ[place]), k=[2])[0][:, 0]
     return distance.reshape(rgb.shape[:-1])
 
 
@@ -83,9 +83,4 @@ def _tree(S_in: bytes, to_XYZ: bytes, sun_elevation: float | None, direct_sun: b
         width = np.hypot(_NEAR[0], _NEAR[1] * max(middle, 0.0))
         expected = expected & (np.abs(elevations - middle) <= width)
     sensor = np.frombuffer(to_XYZ).reshape(3, 3) @ np.frombuffer(S_in).reshape(3, -1)
-    return cKDTree(_uv(ensemble.spectra[expected] @ sensor.T))
-
-
-def _uv(XYZ: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return CIE 1976 u'v', (k, 2)."""
-    return XYZ[:, :2] * [4.0, 9.0] / (XYZ @ [1.0, 15.0, 3.0])[:, None]
+    return cKDTree(uv(ensemble.spectra[expected] @ sensor.T))

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..sky.irradiance import exact_irradiance
+from ..sky.irradiance import exact_irradiance, spread
 from ..sky.light import SkyLight
 from ..sky.panorama import LUMINANCE
 from ..sky.polynomial import evaluate_polynomial
@@ -200,7 +200,8 @@ def lowest_degree(light: SkyLight, to_rec709: NDArray[np.float64], tolerance: fl
     ``to_rec709`` (3, 3): from the sky's numbers to linear Rec.709. 95 of 100 faces that do not look
     down must keep to it; where no degree does, the highest.
     """
-    normals = _upward_normals(400)
+    normals = spread(800)
+    normals = normals[normals[:, 2] >= 0.0]
     true = exact_irradiance(light.sky, normals) @ to_rec709.T
     if not np.all(true @ LUMINANCE > 0.0):
         return light
@@ -244,12 +245,3 @@ def _darker(share: float) -> float:
     """Return the CIEDE2000 of a white that lacks this part, 0 to 1, of its light."""
     white = np.ones(3)
     return float(delta_E((1.0 - share) * white, white, white))
-
-
-def _upward_normals(count: int) -> NDArray[np.float64]:
-    """Return evenly spread normals (count, 3) with z >= 0: a Fibonacci spiral."""
-    k = np.arange(count)
-    z = (k + 0.5) / count
-    azimuth = k * np.pi * (3.0 - 5.0**0.5)
-    level = np.sqrt(1.0 - z**2)
-    return np.stack([level * np.cos(azimuth), level * np.sin(azimuth), z], axis=-1)

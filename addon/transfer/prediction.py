@@ -19,6 +19,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..sky.simulation import LOWEST_SUN
 from ..spectra.ensemble import shipped
 from ..spectra.grid import WAVELENGTHS
 from ..spectra.illuminants import D65
@@ -33,9 +34,6 @@ TODAY, FULL = "RGB × RGB", "3x3"
 
 UNTOLD_WHITE = "the sky looks white-balanced, and its white is not told"
 """A doubt: see `transfer.white`."""
-
-LOWEST_SUN = -6.0
-"""[degrees]. Under it nothing was simulated: stars and lamps begin to count."""
 
 _DRAWS = 100
 _COVERED = 0.95
