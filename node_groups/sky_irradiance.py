@@ -1,4 +1,5 @@
-"""`Sky Irradiance`: the irradiance of one World's sky as a polynomial of the world normal.
+"""`Sky Irradiance`, `Ground Irradiance`: the light of one World's sky, and of the ground in its
+HDRI, as polynomials of the world normal.
 
 E(n) = P(x, y) + z Q(x, y), with P of degree 6 and Q of degree 5: as z² = 1 - x² - y² on the sphere,
 these 49 terms span exactly the spherical harmonics up to degree 6 (Ramamoorthi & Hanrahan 2001,
@@ -18,8 +19,10 @@ from . import normals
 from . import tree as groups
 
 KIND = "Sky Irradiance"
+GROUND = "Ground Irradiance"
 VERSION = 1
 DEGREE = 6
+GROUND_DEGREE = 3  # an even lower half is of degree 1
 ROTATE = "Rotate"  # the node that turns the normal as the World's Mapping node turns its texture
 
 Exponent = tuple[int, int, int]
@@ -39,8 +42,10 @@ def exponents(degree: int = DEGREE) -> list[Exponent]:
     ]
 
 
-def ensure(tree: bpy.types.NodeTree | None = None) -> bpy.types.NodeTree:
-    """A `Sky Irradiance` group: the given one, updated, its coefficients kept; or a new one, all 0.
+def ensure(
+    tree: bpy.types.NodeTree | None = None, kind: str = KIND, degree: int = DEGREE
+) -> bpy.types.NodeTree:
+    """A group of this kind: the given one, updated, its coefficients kept; or a new one, all 0.
 
     Inputs: Normal (world space; unlinked: the shading normal), Rotation (Euler XYZ [rad]) and
     Strength, as the World's Mapping and Background have them. Output: Irradiance, the
@@ -49,7 +54,7 @@ def ensure(tree: bpy.types.NodeTree | None = None) -> bpy.types.NodeTree:
     kept = {} if tree is None else coefficients(tree)
     tree = groups.ensure(
         tree,
-        KIND,
+        kind,
         VERSION,
         [
             ("Normal", "NodeSocketVector", None),
@@ -57,7 +62,7 @@ def ensure(tree: bpy.types.NodeTree | None = None) -> bpy.types.NodeTree:
             ("Strength", "NodeSocketFloat", 1.0),
         ],
         [("Irradiance", "NodeSocketVector", None)],
-        _build,
+        partial(_build, degree=degree),
     )
     set_coefficients(tree, kept)
     return tree
@@ -69,9 +74,15 @@ def coefficients(tree: bpy.types.NodeTree) -> dict[Exponent, tuple[float, float,
 
 
 def set_coefficients(tree: bpy.types.NodeTree, values: Mapping[Exponent, Iterable[float]]) -> None:
-    """Write the RGB coefficients of the given terms; the others keep theirs."""
+    """Write the RGB coefficients of the given terms; the others keep theirs.
+
+    Raises KeyError for a term that is over the group's degree.
+    """
     for key, rgb in values.items():
-        _vector(tree, key)[:] = tuple(rgb)
+        vector = _vector(tree, key)
+        if vector is None:
+            raise KeyError(key)
+        vector[:] = tuple(rgb)
 
 
 def _name(key: Exponent) -> str:
@@ -96,7 +107,7 @@ def _vector(tree: bpy.types.NodeTree, key: Exponent):
     return None if node is None else node.inputs[0].default_value
 
 
-def _build(tree: bpy.types.NodeTree) -> None:
+def _build(tree: bpy.types.NodeTree, degree: int) -> None:
     add = partial(groups.add, tree)
     given = add("NodeGroupInput").outputs
     normal = normals.build(tree, given["Normal"])
@@ -119,7 +130,7 @@ def _build(tree: bpy.types.NodeTree) -> None:
                 total = multiply_add(total, y, row, _row_name(b, c))
         return total
 
-    irradiance = multiply_add(horner(DEGREE - 1, 1), z, horner(DEGREE, 0), "P + z Q")
+    irradiance = multiply_add(horner(degree - 1, 1), z, horner(degree, 0), "P + z Q")
     lit = add("ShaderNodeVectorMath", irradiance, operation="SCALE")
     tree.links.new(given["Strength"], lit.inputs["Scale"])
     add("NodeGroupOutput", lit.outputs[0])

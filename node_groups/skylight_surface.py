@@ -1,23 +1,50 @@
-"""`Skylight Surface`: a matt surface that the open sky of one World lights, as an Emission.
+"""`Skylight Surface`: a matt surface that the light of one World shines on, as an Emission.
 
-Sky Irradiance, then Spectral Matrix, then Emission: a material differs from another by the values
-of its group node's inputs alone, so one shader serves them all. Drivers copy the World's strength
-and rotation; their target is also how the group of a World is known. (A custom property that
-points to the World would do the same, but in Blender 4.5 each render takes a user off it.)
+    colour = M E_sky + Ground E_ground + Sun E_sun + Lamp 1 E_1 + Lamp 2 E_2
+
+M is the material's matrix for skylight; Ground, Sun and Lamp are what it reflects of light of one
+known spectrum, three numbers each. A material differs from another by the values of its group
+node's inputs alone, so one shader serves all of a World; what that World has none of is not in it
+(`Features`). Drivers copy the World's strength and rotation; their target is also how the group of
+a World is known. (A custom property that points to the World would do the same, but in Blender 4.5
+each render takes a user off it.)
 """
 
 from __future__ import annotations
 
+from dataclasses import astuple, dataclass
 from functools import partial
+from typing import Literal
 
 import bpy
 
-from . import sky_irradiance, spectral_matrix
+from . import light_probe, normals, sky_irradiance, spectral_matrix
 from . import tree as groups
 
 KIND = "Skylight Surface"
-VERSION = 1
-SKY = "Sky"  # the node whose Rotation and Strength follow the World
+VERSION = 2
+SKY = "Sky"  # the nodes whose Rotation and Strength follow the World
+GROUND = "Ground"
+PROBE = "Probe"
+VISIBILITY = "Visibility"
+LIGHTS = ("Ground", "Sun", "Lamp 1", "Lamp 2")
+
+
+@dataclass(frozen=True)
+class Features:
+    """What the light of a World is made of, which is what its shader holds.
+
+    ``sky``: "open"; "baked", where vertices know how much of the sky they see; "dome", live from
+    lamps (Eevee; open in Cycles). ``probe``: sun or lamps; a dome needs it. ``ground``: light from
+    below on its own. Another value compiles another shader.
+    """
+
+    sky: Literal["open", "baked", "dome"] = "open"
+    probe: bool = False
+    ground: bool = False
+
+    def __str__(self) -> str:
+        return " ".join(str(part) for part in astuple(self))
 
 
 def find(world: bpy.types.World) -> bpy.types.NodeTree | None:
@@ -31,24 +58,54 @@ def world_of(tree: bpy.types.NodeTree) -> bpy.types.World | None:
     return next((d.driver.variables[0].targets[0].id for d in drivers), None)
 
 
+def part(tree: bpy.types.NodeTree, name: str) -> bpy.types.NodeTree | None:
+    """The group inside a `Skylight Surface` group that is its `SKY`, `GROUND`, `PROBE` or
+    `VISIBILITY`; None where it has none."""
+    node = tree.nodes.get(name)
+    return None if node is None else node.node_tree
+
+
 def sky_in(tree: bpy.types.NodeTree) -> bpy.types.NodeTree:
     """The `Sky Irradiance` group inside a `Skylight Surface` group."""
     return tree.nodes[SKY].node_tree
 
 
+def features_of(tree: bpy.types.NodeTree) -> Features:
+    """What a `Skylight Surface` group holds."""
+    sky = "baked" if VISIBILITY in tree.nodes else "open"
+    if PROBE in tree.nodes and tree.nodes[PROBE].outputs["Sky"].is_linked:
+        sky = "dome"
+    return Features(sky, PROBE in tree.nodes, GROUND in tree.nodes)  # type: ignore[arg-type]
+
+
 def ensure(
-    world: bpy.types.World, strength: str, rotation: str | None, inverse: bool = False
+    world: bpy.types.World,
+    strength: str,
+    rotation: str | None,
+    inverse: bool = False,
+    features: Features | None = None,
 ) -> bpy.types.NodeTree:
     """The `Skylight Surface` group of this World, made or updated.
 
     `strength` and `rotation` are the World's data paths that it follows (None: not turned);
-    `inverse` turns the other way. Inputs: Row R, Row G, Row B (the material's matrix; identity by
-    default), Normal (world space; unlinked: the shading normal), Alpha (1: opaque). Output: Shader.
-    Eevee shows a negative sum, which is a colour out of gamut, as 0.
+    `inverse` turns the other way; `features`: None leaves what there is. Inputs: Row R, Row G,
+    Row B (the material's matrix; identity by default), Normal (world space; unlinked: the shading
+    normal), Alpha (1: opaque), and `LIGHTS`, what the material reflects of each (RGB; 0 by
+    default). Outputs: Shader, and for Cycles the same with the sun's and lamps' light as Cycles
+    finds it. Eevee shows a negative sum, which is a colour out of gamut, as 0.
     """
     tree = find(world)
-    old_sky = tree.nodes[SKY].node_tree if tree and SKY in tree.nodes else None
-    sky = sky_irradiance.ensure(old_sky)
+    old = {name: part(tree, name) for name in (SKY, GROUND, PROBE, VISIBILITY)} if tree else {}
+    if features is None:
+        features = features_of(tree) if tree else Features()
+    sky = sky_irradiance.ensure(old.get(SKY))
+    parts = {SKY: sky}
+    if features.ground:
+        parts[GROUND] = sky_irradiance.ensure(
+            old.get(GROUND), sky_irradiance.GROUND, sky_irradiance.GROUND_DEGREE
+        )
+    if features.probe or features.sky == "dome":
+        parts[PROBE] = light_probe.ensure(old.get(PROBE))
     tree = groups.ensure(
         tree,
         KIND,
@@ -57,19 +114,28 @@ def ensure(
             *spectral_matrix.row_sockets(),
             ("Normal", "NodeSocketVector", None),
             ("Alpha", "NodeSocketFloat", 1.0),
+            *((name, "NodeSocketVector", (0.0, 0.0, 0.0)) for name in LIGHTS),
         ],
-        [("Shader", "NodeSocketShader", None)],
-        partial(_build, sky=sky, matrix=spectral_matrix.ensure()),
+        [("Shader", "NodeSocketShader", None), ("Cycles", "NodeSocketShader", None)],
+        partial(_build, parts=parts, matrix=spectral_matrix.ensure(), dome=features.sky == "dome"),
+        variant=str(features),
     )
-    sky.nodes[sky_irradiance.ROTATE].invert = inverse
-    inputs = tree.nodes[SKY].inputs
-    _follow(inputs["Strength"], -1, world, strength)
-    for axis in range(3):
-        if rotation is None:
-            inputs["Rotation"].driver_remove("default_value", axis)
-            inputs["Rotation"].default_value[axis] = 0.0
-        else:
-            _follow(inputs["Rotation"], axis, world, f"{rotation}[{axis}]")
+    for name, inside in parts.items():
+        node = tree.nodes[name]
+        _follow(node.inputs["Strength"], -1, world, strength)
+        if "Rotation" not in node.inputs:
+            continue
+        if sky_irradiance.ROTATE in inside.nodes:
+            inside.nodes[sky_irradiance.ROTATE].invert = inverse
+        for axis in range(3):
+            if rotation is None:
+                node.inputs["Rotation"].driver_remove("default_value", axis)
+                node.inputs["Rotation"].default_value[axis] = 0.0
+            else:
+                _follow(node.inputs["Rotation"], axis, world, f"{rotation}[{axis}]")
+    for name in old.keys() - parts.keys():
+        if old[name] is not None and old[name].users == 0:
+            bpy.data.node_groups.remove(old[name])
     return tree
 
 
@@ -83,17 +149,75 @@ def _follow(socket: bpy.types.NodeSocket, axis: int, world: bpy.types.World, pat
     target.data_path = path
 
 
-def _build(tree: bpy.types.NodeTree, sky: bpy.types.NodeTree, matrix: bpy.types.NodeTree) -> None:
+def _build(
+    tree: bpy.types.NodeTree,
+    parts: dict[str, bpy.types.NodeTree],
+    matrix: bpy.types.NodeTree,
+    dome: bool,
+) -> None:
     add = partial(groups.add, tree)
     given = add("NodeGroupInput").outputs
-    light = add("ShaderNodeGroup", node_tree=sky, name=SKY, label=SKY)
-    tree.links.new(given["Normal"], light.inputs["Normal"])
-    reflected = add("ShaderNodeGroup", node_tree=matrix)
-    tree.links.new(light.outputs[0], reflected.inputs["Color"])
-    for row in spectral_matrix.ROWS:
-        tree.links.new(given[row], reflected.inputs[row])
-    emission = add("ShaderNodeEmission", reflected.outputs[0])
-    clear = add("ShaderNodeBsdfTransparent")
-    surface = add("ShaderNodeMixShader", given["Alpha"], clear.outputs[0], emission.outputs[0])
-    add("NodeGroupOutput", surface.outputs[0])
+
+    def light(name):
+        node = add("ShaderNodeGroup", node_tree=parts[name], name=name, label=name)
+        if "Normal" in node.inputs:
+            tree.links.new(given["Normal"], node.inputs["Normal"])
+        return node
+
+    def vector(operation, *sources):
+        return add("ShaderNodeVectorMath", *sources, operation=operation).outputs[0]
+
+    def scaled(colour, number):
+        node = add("ShaderNodeVectorMath", colour, operation="SCALE")
+        tree.links.new(number, node.inputs["Scale"])
+        return node.outputs[0]
+
+    def choice(factor, without, where):
+        node = add("ShaderNodeMix", data_type="VECTOR", clamp_factor=True)
+        for socket, source in zip(("Factor", "A", "B"), (factor, without, where), strict=True):
+            enabled = next(s for s in node.inputs if s.name == socket and s.enabled)
+            tree.links.new(source, enabled)
+        return next(socket for socket in node.outputs if socket.enabled)
+
+    def reflected(sky):
+        node = add("ShaderNodeGroup", node_tree=matrix)
+        tree.links.new(sky, node.inputs["Color"])
+        for row in spectral_matrix.ROWS:
+            tree.links.new(given[row], node.inputs[row])
+        return node.outputs[0]
+
+    probe = light(PROBE).outputs if PROBE in parts else None
+    sky = light(SKY).outputs[0]
+    seen = light(VISIBILITY).outputs if VISIBILITY in parts else None
+    if seen:
+        sky = choice(seen["Baked"], sky, seen["Irradiance"])
+    both = []  # light that both engines know
+    if GROUND in parts:
+        ground = light(GROUND).outputs[0]
+        if seen:
+            ground = choice(seen["Baked"], ground, scaled(ground, seen["Ground"]))
+        both.append(vector("MULTIPLY", given["Ground"], ground))
+    colours = {"Shader": reflected(probe["Sky"] if dome else sky)}
+    colours["Cycles"] = reflected(sky) if dome else colours["Shader"]
+    for name, colour in colours.items():
+        for more in both:
+            colours[name] = colour = vector("ADD", more, colour)
+    if probe:
+        lit = vector("MULTIPLY_ADD", given["Sun"], probe["Sun"], colours["Shader"])
+        for name in ("Lamp 1", "Lamp 2"):
+            lit = vector("ADD", scaled(given[name], probe[name]), lit)
+        colours["Shader"] = lit
+    clear = add("ShaderNodeBsdfTransparent").outputs[0]
+    surfaces = []
+    for name, colour in colours.items():
+        shader = add("ShaderNodeEmission", colour).outputs[0]
+        if probe and name == "Cycles":
+            # The lamps are that much too strong for Cycles, which drowns all else in this Diffuse.
+            faint = vector("MULTIPLY", given["Sun"], (1.0 / light_probe.CYCLES_STRENGTH,) * 3)
+            diffuse = add("ShaderNodeBsdfDiffuse", faint, 0.0)
+            tree.links.new(normals.build(tree, given["Normal"]), diffuse.inputs["Normal"])
+            shader = add("ShaderNodeAddShader", diffuse.outputs[0], shader).outputs[0]
+        mixed = add("ShaderNodeMixShader", given["Alpha"], clear, shader)
+        surfaces.append(mixed.outputs[0])
+    add("NodeGroupOutput", *surfaces)
     groups.arrange(tree)

@@ -10,6 +10,7 @@ import bpy
 # Custom properties by which a group of ours is found again, whatever a user calls it.
 KIND = "spectral_skylight_kind"
 VERSION = "spectral_skylight_version"
+VARIANT = "spectral_skylight_variant"
 
 # name, socket type ("NodeSocketVector", …), default value or None
 Socket = tuple[str, str, Any]
@@ -27,23 +28,25 @@ def ensure(
     inputs: list[Socket],
     outputs: list[Socket],
     build: Callable[[bpy.types.NodeTree], None],
+    variant: str = "",
 ) -> bpy.types.NodeTree:
     """A group of a kind at this version: the given one, brought up to date in place, or a new one.
 
-    An older group keeps its identity and its sockets, and with them (`interface.clear()` would
-    lose them) its users' values and links; missing sockets are added, the inside is built anew.
+    An older group, or one of another variant (what of a kind is inside), keeps its identity and its
+    sockets, and with them (`interface.clear()` would lose them) its users' values and links;
+    missing sockets are added, the inside is built anew.
     """
     if tree is None:
         tree = bpy.data.node_groups.new(kind, "ShaderNodeTree")
         tree[KIND] = kind
-    if tree.get(VERSION) == version:
+    if tree.get(VERSION) == version and tree.get(VARIANT, "") == variant:
         return tree
     for in_out, sockets in (("INPUT", inputs), ("OUTPUT", outputs)):
         for name, socket_type, value in sockets:
             _ensure_socket(tree, in_out, name, socket_type, value)
     tree.nodes.clear()
     build(tree)
-    tree[VERSION] = version
+    tree[VERSION], tree[VARIANT] = version, variant
     return tree
 
 

@@ -8,7 +8,7 @@ saving and undo. A copy of a managed material is managed too, on its own.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,21 +47,26 @@ def apply(
     reflectance_name: str,
     reflectance_hash: str,
     extra: dict[str, Any] | None = None,
+    lights: Mapping[str, Sequence[float]] | None = None,
 ) -> None:
     """Light a material by the sky of a World through its matrix (3, 3); twice is once.
 
     Its Normal and Alpha stay what the replaced shader had. `extra` is kept with the material
-    (anything that JSON can hold). Raises InputError for a linked or overridden material and
-    where `world.sky_of` does; the material is untouched then.
+    (anything that JSON can hold). ``lights``: what it reflects of `skylight_surface.LIGHTS`, RGB
+    each. Raises InputError for a linked or overridden material and where `world.sky_of` does; the
+    material is untouched then.
     """
     check_editable(material)
     group = sky_light.ensure(world)
     node = _surface_node(material)
-    if node is None or not node.outputs[0].is_linked:  # new, or a user has unplugged or deleted it
+    if node is None or not any(
+        out.is_linked for out in node.outputs
+    ):  # new, or a user has unplugged or deleted it
         remove(material)
         node = _take_over(material, group)
     node.node_tree = group
-    spectral_matrix.set_matrix(node, matrix)
+    _set(node, matrix, lights)
+    _tell_engines_apart(material.node_tree, node)
     kept = material.get(MANAGED, {})
     material[MANAGED] = {
         "id": skylight_surface.KIND,
@@ -73,8 +78,12 @@ def apply(
     }
 
 
-def update(material: bpy.types.Material, matrix) -> None:
+def update(
+    material: bpy.types.Material, matrix, lights: Mapping[str, Sequence[float]] | None = None
+) -> None:
     """Give a managed material another matrix, as after a change of sky or working space.
+
+    ``lights`` as in `apply`; what is not named there stays.
 
     Raises InputError if the material is not managed or not editable.
     """
@@ -82,7 +91,7 @@ def update(material: bpy.types.Material, matrix) -> None:
     node = _surface_node(material)
     if node is None:
         raise InputError(f'material "{material.name}"', "has no reflectance yet", "apply one first")
-    spectral_matrix.set_matrix(node, matrix)
+    _set(node, matrix, lights)
 
 
 def remove(material: bpy.types.Material) -> None:
@@ -96,12 +105,11 @@ def remove(material: bpy.types.Material) -> None:
     check_editable(material)
     tree = material.node_tree
     node = _surface_node(material)
-    ours = node.outputs[0] if node else None
     for output in [n for n in tree.nodes if OUTPUT in n]:
         surface = output.inputs["Surface"]
         number = str(output[OUTPUT])
         lost = not surface.is_linked
-        if lost or surface.links[0].from_socket == ours:
+        if lost or OURS in surface.links[0].from_node:
             for link in list(surface.links):
                 tree.links.remove(link)
             _plug_back(tree, surface, number)
@@ -172,6 +180,12 @@ def check_editable(material: bpy.types.Material) -> None:
         raise InputError(place, "is for Grease Pencil", "choose a surface material")
 
 
+def _set(node: bpy.types.Node, matrix, lights: Mapping[str, Sequence[float]] | None) -> None:
+    spectral_matrix.set_matrix(node, matrix)
+    for name, rgb in (lights or {}).items():
+        node.inputs[name].default_value = tuple(float(part) for part in rgb)
+
+
 def _surface_node(material: bpy.types.Material) -> bpy.types.Node | None:
     tree = material.node_tree
     found = (n for n in tree.nodes if n.get(OURS) == "surface") if tree else ()
@@ -206,8 +220,27 @@ def _take_over(material: bpy.types.Material, group: bpy.types.NodeTree) -> bpy.t
             link.from_node[SOURCE] = memory
             if number == 0:
                 _carry_over(tree, nodes.source(surface), node)
-        tree.links.new(node.outputs[0], surface)
     return node
+
+
+def _tell_engines_apart(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
+    """Give Cycles an output of its own where the light probe, which only Eevee knows, is in use."""
+    apart = skylight_surface.features_of(node.node_tree).probe
+    outputs = _outputs(tree)
+    added = next((n for n in tree.nodes if n.get(OURS) == "Cycles"), None)
+    if not apart and added is not None:
+        tree.nodes.remove(added)
+    elif apart and added is None and len(outputs) == 1 and outputs[0].target == "ALL":
+        added = groups.add(tree, "ShaderNodeOutputMaterial", target="CYCLES")
+        added[OURS] = "Cycles"
+        added.location = outputs[0].location.x, outputs[0].location.y + 160
+        for name in ("Volume", "Displacement"):
+            if (fed := outputs[0].inputs[name]).is_linked:
+                tree.links.new(fed.links[0].from_socket, added.inputs[name])
+    for output in _outputs(tree):
+        if OUTPUT in output or OURS in output:
+            name = "Cycles" if output.target == "CYCLES" else "Shader"
+            tree.links.new(node.outputs[name], output.inputs["Surface"])
 
 
 def _plug_back(tree: bpy.types.NodeTree, surface: bpy.types.NodeSocket, number: str) -> None:

@@ -1,8 +1,4 @@
-"""The light of one World's sky in its node groups: coefficients, and what follows the World.
-
-Eevee's `World.sun_threshold`, which pulls a sun lamp out of the HDRI, is left alone: it
-lights unmanaged objects only, for managed ones emit.
-"""
+"""The light of one World in its node groups: its values, and what follows the World."""
 
 from __future__ import annotations
 
@@ -13,15 +9,18 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...node_groups import sky_irradiance, skylight_surface, spectral_matrix
-from ...node_groups import tree as groups
+from ...node_groups import light_probe, sky_irradiance, skylight_surface
 from . import world as worlds
 
 DESCRIPTION = "spectral_skylight_description"  # JSON, for custom properties hold no nested lists
 
 
-def ensure(world: bpy.types.World) -> bpy.types.NodeTree:
+def ensure(
+    world: bpy.types.World, features: skylight_surface.Features | None = None
+) -> bpy.types.NodeTree:
     """The `Skylight Surface` group of a World, made or updated, following its turn and strength.
+
+    ``features``: what its light is made of from now on; None: as before.
 
     It follows by drivers, so keyframes work in a file without the add-on. A renamed Mapping or
     Background node is followed again from the next call on. Raises InputError where
@@ -30,14 +29,11 @@ def ensure(world: bpy.types.World) -> bpy.types.NodeTree:
     sky = worlds.sky_of(world)
     return skylight_surface.ensure(
         world,
-        _value_path(world, sky.background, "Strength"),
-        sky.mapping and _value_path(world, sky.mapping, "Rotation"),
+        worlds.value_path(world, sky.background, "Strength"),
+        sky.mapping and worlds.value_path(world, sky.mapping, "Rotation"),
         sky.inverse,
+        features,
     )
-
-
-def _value_path(world: bpy.types.World, node: str, socket: str) -> str:
-    return "node_tree." + world.node_tree.nodes[node].inputs[socket].path_from_id("default_value")
 
 
 def set_coefficients(world: bpy.types.World, coefficients: np.ndarray) -> None:
@@ -47,15 +43,33 @@ def set_coefficients(world: bpy.types.World, coefficients: np.ndarray) -> None:
     `node_groups.sky_irradiance.exponents(d)`; higher terms become 0. Raises ValueError for another
     shape and InputError where `world.sky_of` does.
     """
+    _set(skylight_surface.sky_in(ensure(world)), coefficients, sky_irradiance.DEGREE)
+
+
+def set_ground(world: bpy.types.World, coefficients: np.ndarray) -> None:
+    """Give a World's ground the RGB coefficients of its irradiance, of a degree of 0 to 3.
+
+    As `set_coefficients`; the World's `Features` have ground.
+    """
+    ground = skylight_surface.part(ensure(world), skylight_surface.GROUND)
+    _set(ground, coefficients, sky_irradiance.GROUND_DEGREE)
+
+
+def set_probe(world: bpy.types.World, name: str, rgb: np.ndarray) -> None:
+    """Give a World's light probe the RGB of its `light_probe.SUN`, `GREEN` or `BLUE`."""
+    light_probe.set_colour(skylight_surface.part(ensure(world), skylight_surface.PROBE), name, rgb)
+
+
+def _set(tree: bpy.types.NodeTree, coefficients: np.ndarray, highest: int) -> None:
     coefficients = np.asarray(coefficients, dtype=float)
     degree = math.isqrt(len(coefficients)) - 1
     terms = sky_irradiance.exponents(degree)
-    if coefficients.shape != (len(terms), 3) or not 0 <= degree <= sky_irradiance.DEGREE:
-        raise ValueError(f"coefficients of shape {coefficients.shape} fit no degree from 0 to 6")
-    surface = ensure(world)
-    values = dict.fromkeys(sky_irradiance.exponents(), (0.0, 0.0, 0.0))
+    if coefficients.shape != (len(terms), 3) or not 0 <= degree <= highest:
+        shape = coefficients.shape
+        raise ValueError(f"coefficients of shape {shape} fit no degree from 0 to {highest}")
+    values = dict.fromkeys(sky_irradiance.exponents(highest), (0.0, 0.0, 0.0))
     values.update(zip(terms, coefficients.tolist(), strict=True))
-    sky_irradiance.set_coefficients(skylight_surface.sky_in(surface), values)
+    sky_irradiance.set_coefficients(tree, values)
 
 
 def coefficients_of(world: bpy.types.World) -> np.ndarray | None:
@@ -86,7 +100,7 @@ def remove(surface: bpy.types.NodeTree) -> None:
 
     Call it when the last material under that sky is released: one that still uses it turns black.
     """
-    inside = (skylight_surface.sky_in(surface), *groups.of_kind(spectral_matrix.KIND))
+    inside = {node.node_tree for node in surface.nodes if node.type == "GROUP"}
     bpy.data.node_groups.remove(surface)
     for tree in inside:
         if tree.users == 0:

@@ -120,6 +120,11 @@ def _mapping(place: str, texture: bpy.types.Node) -> bpy.types.Node | None:
     return mapping
 
 
+def value_path(world: bpy.types.World, node: str, socket: str) -> str:
+    """The data path, from a World, of the value of one of its nodes' inputs."""
+    return "node_tree." + world.node_tree.nodes[node].inputs[socket].path_from_id("default_value")
+
+
 def pixels_of(image: bpy.types.Image) -> np.ndarray:
     """The pixels of an HDRI as float32 RGB (h, w, 3), top row first, in the file's working space.
 

@@ -1,0 +1,80 @@
+"""Which objects the lamps of our light probe shine on: those whose materials are managed.
+
+Light linking goes by objects, not by materials, and the probe's lamps would burn out whatever else
+scatters their light.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from . import materials
+
+KEY = "spectral_skylight_receivers"
+
+_NO_DIFFUSE = {"BSDF_TRANSPARENT", "BSDF_REFRACTION", "BSDF_GLASS", "BSDF_GLOSSY", "BSDF_METALLIC"}
+_NO_DIFFUSE |= {"BSDF_ANISOTROPIC", "EMISSION", "HOLDOUT", "MIX_SHADER", "ADD_SHADER"}
+"""Shaders that a lamp without a specular share does not light in Eevee."""
+
+
+def find(scene: bpy.types.Scene) -> bpy.types.Collection | None:
+    """The collection of a scene's receivers, None before it has one."""
+    linked = (obj.light_linking.receiver_collection for obj in scene.objects if obj.type == "LIGHT")
+    return next((c for c in linked if c is not None and KEY in c), None)
+
+
+def ensure(scene: bpy.types.Scene) -> bpy.types.Collection:
+    """The collection of a scene's receivers, brought up to date; it is in no scene itself."""
+    collection = find(scene)
+    if collection is None:
+        collection = bpy.data.collections.new("Skylight Receivers")
+        collection[KEY] = True
+    wanted = {obj for obj in scene.objects if _receives(obj)}
+    for obj in set(collection.objects) - wanted:
+        collection.objects.unlink(obj)
+    for obj in wanted - set(collection.objects):
+        collection.objects.link(obj)
+    return collection
+
+
+def mixed(scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    """Objects that get neither sun nor lamps: beside managed materials they have others."""
+    return [obj for obj in scene.objects if _has_managed(obj) and not _receives(obj)]
+
+
+def _receives(obj: bpy.types.Object) -> bool:
+    """Whether an object, or the collection that it shows, has managed materials and no others."""
+    if obj.instance_type == "COLLECTION" and obj.instance_collection is not None:
+        shown = [part for part in obj.instance_collection.all_objects if part.type == "MESH"]
+        return any(map(_has_managed, shown)) and not any(map(_burns, shown))
+    return _has_managed(obj) and not _burns(obj)
+
+
+def _has_managed(obj: bpy.types.Object) -> bool:
+    return any(materials.is_managed(slot.material) for slot in obj.material_slots)
+
+
+def _burns(obj: bpy.types.Object) -> bool:
+    """Whether an object shows a material that is not managed and scatters light."""
+    slots = [slot.material for slot in obj.material_slots]
+    if not slots:
+        return True  # Blender's grey
+    shown = range(len(slots))
+    if obj.type == "MESH" and obj.data.polygons and not obj.modifiers:
+        index = np.empty(len(obj.data.polygons), np.int32)
+        obj.data.polygons.foreach_get("material_index", index)
+        shown = np.unique(np.minimum(index, len(slots) - 1)).tolist()
+    return any(not materials.is_managed(slots[k]) and _scatters(slots[k]) for k in shown)
+
+
+def _scatters(material: bpy.types.Material | None) -> bool:
+    if material is None or material.node_tree is None:
+        return True
+    output = material.node_tree.get_output_node("EEVEE")
+    shaders = {
+        node.type
+        for node in material.node_tree.nodes
+        if any(socket.type == "SHADER" for socket in node.outputs)
+    }
+    return output is not None and bool(shaders - _NO_DIFFUSE)
