@@ -5,20 +5,18 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-import bpy
+from bpy.types import NodeSocket as Socket
+from bpy.types import NodeTree
 
 from . import tree as groups
 
-Nodes = bpy.types.NodeTree
-Socket = bpy.types.NodeSocket
 
-
-def math(tree: Nodes, operation: str, *sources: Any, **settings: Any) -> Socket:
+def math(tree: NodeTree, operation: str, *sources: Any, **settings: Any) -> Socket:
     """The output of a new Math node."""
     return groups.add(tree, "ShaderNodeMath", *sources, operation=operation, **settings).outputs[0]
 
 
-def cosine(tree: Nodes, normal: Socket) -> Socket:
+def cosine(tree: NodeTree, normal: Socket) -> Socket:
     """The cosine between the view and a unit normal, 0 to 1; the same on both sides of a face."""
     view = groups.add(tree, "ShaderNodeNewGeometry").outputs["Incoming"]
     dot = groups.add(tree, "ShaderNodeVectorMath", view, normal, operation="DOT_PRODUCT")
@@ -26,7 +24,7 @@ def cosine(tree: Nodes, normal: Socket) -> Socket:
 
 
 def share_reflected(
-    tree: Nodes, cos: Socket, roughness: Socket, ior: Socket, level: Any = 0.5
+    tree: NodeTree, cos: Socket, roughness: Socket, ior: Socket, level: Any = 0.5
 ) -> Socket:
     """What a rough dielectric reflects of an even light, as the Principled BSDF does it.
 
@@ -49,7 +47,7 @@ def share_reflected(
     return op("MULTIPLY_ADD", F0, facing, peak, use_clamp=True)
 
 
-def smooth(tree: Nodes, cos: Socket, ior: Socket) -> tuple[Socket, Socket]:
+def smooth(tree: NodeTree, cos: Socket, ior: Socket) -> tuple[Socket, Socket]:
     """The exact reflectance of a smooth dielectric for unpolarized light, and cos of refraction.
 
     From outside the dielectric only, whichever side is seen: Blender's Fresnel node takes a

@@ -1,0 +1,59 @@
+"""An input of ours that has what an input of the user's has: its link, its value, its motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+from bpy.types import NodeSocket as Socket
+
+
+def take(material: bpy.types.Material, old: Socket, new: Socket) -> None:
+    """Link or set an input of a material's node as another one is.
+
+    A muted link counts as none. A driven value gets the same driver, a keyframed one a driver that
+    copies it: plain ones, which work in a file without the add-on.
+    """
+    tree = material.node_tree
+    if old.is_linked and not old.links[0].is_muted:
+        tree.links.new(old.links[0].from_socket, new)
+        return
+    new.default_value = old.default_value
+    path, own = (socket.path_from_id("default_value") for socket in (old, new))
+    driven = {d.array_index: d for d in _drivers(tree) if d.data_path == path}
+    moving = {curve.array_index for curve in _curves(tree) if curve.data_path == path}
+    for axis in sorted(moving | driven.keys()):
+        if axis in driven:
+            tree.animation_data.drivers.from_existing(src_driver=driven[axis]).data_path = own
+            continue
+        several = hasattr(old.default_value, "__len__")
+        driver = new.driver_add("default_value", axis if several else -1).driver
+        driver.type = "AVERAGE"  # of one value: no expression that Blender might refuse to run
+        target = driver.variables.new().targets[0]
+        target.id_type = "MATERIAL"
+        target.id = material
+        target.data_path = f"node_tree.{path}" + (f"[{axis}]" if several else "")
+
+
+def moves(socket: Socket) -> bool:
+    """Whether an input's value is keyframed or driven."""
+    tree = socket.id_data
+    path = socket.path_from_id("default_value")
+    return any(curve.data_path == path for curve in (*_drivers(tree), *_curves(tree)))
+
+
+def _drivers(tree: bpy.types.NodeTree) -> list[bpy.types.FCurve]:
+    return list(tree.animation_data.drivers) if tree.animation_data else []
+
+
+def _curves(tree: bpy.types.NodeTree) -> Iterator[bpy.types.FCurve]:
+    """The keyframed values of a tree, on its own action or in NLA strips."""
+    data = tree.animation_data
+    if data is None:
+        return
+    strips = (strip for track in data.nla_tracks for strip in track.strips)
+    for action in (data.action, *(strip.action for strip in strips)):
+        for layer in action.layers if action else ():
+            for strip in layer.strips:
+                for bag in strip.channelbags:
+                    yield from bag.fcurves

@@ -1,0 +1,254 @@
+"""What an old shader looked like is taken over by our nodes, and taking those away leaves it."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from spectral_skylight.addon.scene import look, nodes  # noqa: E402
+from spectral_skylight.node_groups import gloss, spectral_texture  # noqa: E402
+from spectral_skylight.node_groups import tree as groups  # noqa: E402
+from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.tests.scene.test_materials import dump  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+
+@pytest.fixture(autouse=True)
+def empty():
+    faces.empty_scene()
+
+
+def surface_group(colour=(1.0, 1.0, 1.0)):
+    """A surface that emits one colour: sockets as `look.dress` wants them, and nothing else."""
+
+    def build(tree):
+        emission = groups.add(tree, "ShaderNodeEmission", (*colour, 1.0)).outputs[0]
+        groups.add(tree, "NodeGroupOutput", emission, emission)
+
+    return groups.ensure(
+        None,
+        "Stub",
+        1,
+        [
+            *((name, "NodeSocketVector", None) for name in spectral_texture.OUTPUTS),
+            ("Normal", "NodeSocketVector", None),
+            ("Alpha", "NodeSocketFloat", 1.0),
+        ],
+        [("Shader", "NodeSocketShader", None), ("Cycles", "NodeSocketShader", None)],
+        build,
+    )
+
+
+def material_with(kind, **values):
+    """A material of one shader, with some of its inputs set."""
+    material = bpy.data.materials.new(kind)
+    nodes.use(material)
+    tree = material.node_tree
+    tree.nodes.clear()
+    shader = groups.add(tree, f"ShaderNode{kind}", name="Old")
+    for name, value in values.items():
+        shader.inputs[name.replace("_", " ")].default_value = value
+    groups.add(tree, "ShaderNodeOutputMaterial", shader.outputs[0], name="Output")
+    return material
+
+
+def put(material, **settings):
+    """Dress the material and plug it in; return its look, its surface and what was plugged."""
+    tree = material.node_tree
+    surface = groups.add(tree, "ShaderNodeGroup", node_tree=surface_group())
+    surface[look.OURS] = "surface"
+    output = tree.nodes["Output"].inputs["Surface"]
+    old = look.read(nodes.source(output))
+    tops = look.dress(material, surface, old, **settings)
+    assert tops == look.tops(tree, surface)
+    tree.links.new(tops["Shader"], output)
+    return old, surface, tops
+
+
+def take_off(material, plugged):
+    """Remove what was added, and plug the old shader in again."""
+    tree = material.node_tree
+    for node in [n for n in tree.nodes if look.OURS in n]:
+        tree.nodes.remove(node)
+    tree.links.new(plugged, tree.nodes["Output"].inputs["Surface"])
+
+
+def value_of(socket):
+    value = getattr(socket, "default_value", None)
+    return list(value) if hasattr(value, "__len__") else value
+
+
+def keyframed(material):
+    socket = material.node_tree.nodes["Old"].inputs["Roughness"]
+    for frame, value in ((1, 0.1), (10, 0.7)):
+        socket.default_value = value
+        socket.keyframe_insert("default_value", frame=frame)
+
+
+def driven(material):
+    driver = material.node_tree.nodes["Old"].inputs["Specular Tint"]
+    for axis in (0, 2):
+        curve = driver.driver_add("default_value", axis)
+        curve.driver.type = "AVERAGE"
+        target = curve.driver.variables.new().targets[0]
+        target.id_type, target.id, target.data_path = "MATERIAL", material, "pass_index"
+
+
+def with_textures(material):
+    tree = material.node_tree
+    shader, noise = tree.nodes["Old"], groups.add(tree, "ShaderNodeTexNoise", name="Noise")
+    bump = groups.add(tree, "ShaderNodeBump", name="Bump")
+    reroute = groups.add(tree, "NodeReroute", noise.outputs["Color"], name="Reroute")
+    tree.links.new(noise.outputs[0], bump.inputs["Height"])
+    tree.links.new(bump.outputs[0], shader.inputs["Normal"])
+    tree.links.new(reroute.outputs[0], shader.inputs["Base Color"])
+    tree.links.new(noise.outputs[0], shader.inputs["Alpha"])
+    tree.links.new(noise.outputs[0], shader.inputs["Coat Weight"]).is_muted = True
+    tree.links.new(noise.outputs[0], shader.inputs["Metallic"])
+
+
+@pytest.mark.parametrize("change", [None, keyframed, driven, with_textures])
+@pytest.mark.parametrize("textured", [False, True])
+def test_taken_off_again_nothing_is_left(change, textured):
+    material = material_with("BsdfPrincipled", Roughness=0.3, Coat_Weight=0.5)
+    if change:
+        change(material)
+    before = dump(material)
+    shader = material.node_tree.nodes["Old"].outputs[0]
+    seen = []
+    for _ in range(2):  # apply → remove → apply: the same again
+        _, _, tops = put(material, textured=textured)
+        node = tops["Shader"].node
+        seen.append([(s.name, s.is_linked, str(value_of(s))) for s in node.inputs])
+        take_off(material, shader)
+        assert dump(material) == before
+    assert seen[0] == seen[1]
+
+
+def test_a_principled_keeps_its_values_links_and_motion():
+    material = material_with(
+        "BsdfPrincipled", Roughness=0.3, IOR=1.7, Coat_Weight=0.4, Specular_Tint=(0.9, 0.8, 0.7, 1)
+    )
+    with_textures(material)
+    keyframed(material)
+    faces.add_faces(bpy.context.scene, faces.directions(1)).data.materials[0] = material
+    old, surface, tops = put(material, textured=True)
+    tree = material.node_tree
+    node = tops["Shader"].node
+    assert old.kind == gloss.MIXED == node.node_tree[groups.KIND]
+    assert tops["Cycles"].node == node  # one node, one set of values, for both engines
+    fed = {s.name: s.links[0].from_node.name for s in node.inputs if s.is_linked}
+    assert fed["Metallic"] == fed["Alpha"] == "Noise" and fed["Normal"] == "Bump"
+    assert fed["Metal Color"] == "Reroute" and fed["Base"] == surface.name
+    assert "Coat Weight" not in fed  # its link was muted
+    np.testing.assert_allclose(node.inputs["IOR"].default_value, 1.7)
+    np.testing.assert_allclose(node.inputs["Coat Weight"].default_value, 0.4)
+    np.testing.assert_allclose(node.inputs["Metal Edge"].default_value[:3], (0.9, 0.8, 0.7))
+    assert surface.inputs["Normal"].links[0].from_node.name == "Bump"
+    assert not surface.inputs["Alpha"].is_linked and surface.inputs["Alpha"].default_value == 1.0
+    texture = look.texture_node(material)
+    assert texture.inputs["Color"].links[0].from_node.name == "Reroute" and old.colour
+    for name in spectral_texture.OUTPUTS:
+        assert surface.inputs[name].links[0].from_node == texture
+    tree.nodes["Old"].inputs["Specular Tint"].default_value[0] = 0.5  # copied: does not follow
+    for frame, value in ((1, 0.1), (10, 0.7), (5, 0.344)):
+        bpy.context.scene.frame_set(frame)
+        shown = material.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        now = shown.node_tree.nodes[node.name].inputs["Roughness"].default_value
+        assert now == pytest.approx(
+            shown.node_tree.nodes["Old"].inputs["Roughness"].default_value, abs=1e-6
+        )
+        assert now == pytest.approx(value, abs=0.02)  # the curve is eased between keyframes
+
+
+@pytest.mark.parametrize(
+    ("values", "kind"),
+    [
+        ({}, gloss.GLOSS),
+        ({"Metallic": 1.0}, gloss.METAL),
+        ({"Metallic": 0.3}, gloss.MIXED),
+        ({"Specular_IOR_Level": 0.0}, look.MATT),
+        ({"Specular_IOR_Level": 0.0, "Coat_Weight": 0.1}, gloss.GLOSS),
+        ({"Specular_IOR_Level": 0.0, "Emission_Strength": 0.1}, gloss.GLOSS),
+    ],
+)
+def test_the_least_that_shows_it_all(values, kind):
+    """Which trees there are is a closed set: another kind of shader is not compiled for a value."""
+    old, surface, tops = put(material_with("BsdfPrincipled", **values))
+    assert old.kind == kind and old.left_out == ()
+    node = tops["Shader"].node
+    assert node == surface if kind == look.MATT else node.node_tree[groups.KIND] == kind
+
+
+@pytest.mark.parametrize(
+    ("shader", "values", "kind", "words"),
+    [
+        ("BsdfDiffuse", {}, look.MATT, ()),
+        ("BsdfGlossy", {"Color": (0.2, 0.5, 0.7, 1.0), "Anisotropy": 0.3}, gloss.METAL, ()),
+        ("BsdfMetallic", {"Base_Color": (0.2, 0.5, 0.7, 1.0), "Anisotropy": 0.3}, gloss.METAL, ()),
+        ("BsdfSheen", {}, look.MATT, ("what Sheen BSDF adds to a matt surface",)),
+        ("BsdfPrincipled", {"Sheen_Weight": 0.5}, gloss.GLOSS, ("sheen",)),
+        ("BsdfPrincipled", {"Transmission_Weight": 1.0}, gloss.GLOSS, ("transmission",)),
+        ("BsdfGlass", {}, look.MATT, ()),
+        ("Emission", {}, look.MATT, ()),
+    ],
+)
+def test_other_shaders(shader, values, kind, words):
+    material = material_with(shader, **values)
+    old, _, tops = put(material)
+    assert old.kind == kind and old.left_out == words
+    assert old.glass == (shader == "BsdfGlass" or "transmission" in words)
+    if kind == gloss.METAL:
+        node = tops["Shader"].node
+        np.testing.assert_allclose(node.inputs["Metal Color"].default_value[:3], (0.2, 0.5, 0.7))
+        np.testing.assert_allclose(node.inputs["Anisotropic"].default_value, 0.3)
+        assert look.set_metal(material, (0.9, 0.6, 0.3), (1.0, 0.9, 0.8))
+        np.testing.assert_allclose(node.inputs["Metal Color"].default_value[:3], (0.9, 0.6, 0.3))
+    else:
+        assert not look.set_metal(material, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+
+
+def test_nothing_plugged_in():
+    material = material_with("BsdfDiffuse")
+    material.node_tree.links.clear()
+    old, surface, tops = put(material)
+    assert old.shader is None and tops["Shader"] == surface.outputs["Shader"]
+
+
+def test_a_mix_is_rebuilt_around_our_base():
+    """Alpha by Transparent, a Glossy and an Emission on top: mixed as before, our base inside."""
+    material = material_with("BsdfPrincipled")
+    tree = material.node_tree
+    fresnel = groups.add(tree, "ShaderNodeFresnel", name="Fresnel")
+    glossy, glow, clear, diffuse = (
+        groups.add(tree, f"ShaderNode{kind}", name=kind)
+        for kind in ("BsdfGlossy", "Emission", "BsdfTransparent", "BsdfDiffuse")
+    )
+    sockets = lambda *names: [tree.nodes[name].outputs[0] for name in names]  # noqa: E731
+    groups.add(
+        tree, "ShaderNodeMixShader", fresnel.outputs[0], *sockets("Old", "BsdfGlossy"), name="One"
+    )
+    groups.add(tree, "ShaderNodeAddShader", *sockets("One", "Emission"), name="Two")
+    groups.add(tree, "ShaderNodeMixShader", 0.25, clear.outputs[0], *sockets("Two"), name="Three")
+    tree.links.new(tree.nodes["Three"].outputs[0], tree.nodes["Output"].inputs["Surface"])
+    before = dump(material)
+    old, surface, tops = put(material)
+    assert old.kind == gloss.GLOSS and old.targets == (tree.nodes["Old"],)
+    for name, base in gloss.OUTPUTS.items():
+        three = tops[name].node
+        assert three.inputs[0].default_value == 0.25 and three.name != "Three"
+        assert three.inputs[1].links[0].from_node == clear
+        two = three.inputs[2].links[0].from_node
+        assert two.inputs[1].links[0].from_node == glow
+        one = two.inputs[0].links[0].from_node
+        assert one.inputs[0].links[0].from_node == fresnel
+        assert one.inputs[2].links[0].from_node == glossy
+        ours = one.inputs[1].links[0]
+        assert ours.from_socket.name == name and ours.from_node[look.OURS] == "gloss"
+        assert ours.from_node.inputs[base].links[0].from_node == surface
+    take_off(material, tree.nodes["Three"].outputs[0])
+    assert dump(material) == before
+    _, surface, tops = put(material, kind=look.MATT)  # as without a look: all replaced
+    assert tops["Shader"].node == surface and surface.inputs["Alpha"].default_value == 0.25
+    assert diffuse.outputs[0].is_linked is False
