@@ -24,6 +24,9 @@ def add(commands: Any) -> None:
     )
     add_matrix_options(parser)
     parser.add_argument("--space", help="checked against the file's working space")
+    parser.add_argument(
+        "--no-sun", action="store_true", help="leave the HDRI's sun off the materials"
+    )
     parser.add_argument("--out", required=True, metavar="OUT.blend")
     parser.set_defaults(run=run)
 
@@ -37,7 +40,7 @@ def _assignment(text: str) -> tuple[str, str]:
 
 def run(options: argparse.Namespace) -> None:
     """Write the blend file, and print what each material was given."""
-    from ..scene import files, spectral, working_space
+    from ..scene import files, sky_light, spectral, working_space
     from ..spectra.reflectance import read_assigned
     from ..transfer.white import AUTO
 
@@ -52,6 +55,7 @@ def run(options: argparse.Namespace) -> None:
         white=None if options.white == AUTO else options.white,
         sun_elevation=options.sun_elevation,
         tolerance=options.tolerance,
+        sun=not options.no_sun,
     )
     scene = files.open_scene(options.scene)
     if options.space not in (None, working_space.name()):
@@ -72,5 +76,6 @@ def run(options: argparse.Namespace) -> None:
     files.save(options.out)
     for result in results:
         print(result.line)
-    for line in (*said, *light.notes, light.caption):
+    description = sky_light.description_of(world)
+    for line in (*said, *light.notes, *description["lights"], description["caption"]):
         print(line)

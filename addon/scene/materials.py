@@ -17,9 +17,8 @@ import bpy
 from ...node_groups import skylight_surface, spectral_matrix
 from ...node_groups import tree as groups
 from ..errors import InputError
-from . import nodes, sky_light
+from . import lights, nodes, sky_light
 
-MANAGED = "spectral_skylight"  # on the material: what it was given
 OURS = "spectral_skylight_node"  # on the nodes that we added
 OUTPUT = "spectral_skylight_output"  # on an output: the number under which …
 SOURCE = "spectral_skylight_source"  # … the node that fed it remembers its socket
@@ -47,12 +46,12 @@ def apply(
     reflectance_name: str,
     reflectance_hash: str,
     extra: dict[str, Any] | None = None,
-    lights: Mapping[str, Sequence[float]] | None = None,
+    reflected: Mapping[str, Sequence[float]] | None = None,
 ) -> None:
     """Light a material by the sky of a World through its matrix (3, 3); twice is once.
 
     Its Normal and Alpha stay what the replaced shader had. `extra` is kept with the material
-    (anything that JSON can hold). ``lights``: what it reflects of `skylight_surface.LIGHTS`, RGB
+    (anything that JSON can hold). ``reflected``: what it reflects of `skylight_surface.LIGHTS`, RGB
     each. Raises InputError for a linked or overridden material and where `world.sky_of` does; the
     material is untouched then.
     """
@@ -65,10 +64,10 @@ def apply(
         remove(material)
         node = _take_over(material, group)
     node.node_tree = group
-    _set(node, matrix, lights)
+    _set(node, matrix, reflected)
     _tell_engines_apart(material.node_tree, node)
-    kept = material.get(MANAGED, {})
-    material[MANAGED] = {
+    kept = material.get(nodes.MANAGED, {})
+    material[nodes.MANAGED] = {
         "id": skylight_surface.KIND,
         "version": skylight_surface.VERSION,
         "reflectance": reflectance_name,
@@ -79,11 +78,11 @@ def apply(
 
 
 def update(
-    material: bpy.types.Material, matrix, lights: Mapping[str, Sequence[float]] | None = None
+    material: bpy.types.Material, matrix, reflected: Mapping[str, Sequence[float]] | None = None
 ) -> None:
     """Give a managed material another matrix, as after a change of sky or working space.
 
-    ``lights`` as in `apply`; what is not named there stays.
+    ``reflected`` as in `apply`; what is not named there stays.
 
     Raises InputError if the material is not managed or not editable.
     """
@@ -91,7 +90,8 @@ def update(
     node = _surface_node(material)
     if node is None:
         raise InputError(f'material "{material.name}"', "has no reflectance yet", "apply one first")
-    _set(node, matrix, lights)
+    _set(node, matrix, reflected)
+    _tell_engines_apart(material.node_tree, node)
 
 
 def remove(material: bpy.types.Material) -> None:
@@ -100,7 +100,7 @@ def remove(material: bpy.types.Material) -> None:
     An output that a user has plugged elsewhere since keeps that. The World's groups leave with the
     last material. Raises InputError for a linked or overridden material.
     """
-    if MANAGED not in material:
+    if nodes.MANAGED not in material:
         return
     check_editable(material)
     tree = material.node_tree
@@ -119,16 +119,21 @@ def remove(material: bpy.types.Material) -> None:
         tree.nodes.remove(added)
     for source in [n for n in tree.nodes if SOURCE in n]:
         del source[SOURCE]
-    if material[MANAGED].get("without_nodes"):
+    if material[nodes.MANAGED].get("without_nodes"):
         material.use_nodes = False  # Blender 4.5; its tree is then the one that Blender makes
-    del material[MANAGED]
+    del material[nodes.MANAGED]
     if group is not None and group.users == 0:
+        world = skylight_surface.world_of(group)
+        if world is not None:
+            lights.remove(world)
         sky_light.remove(group)
 
 
 def is_managed(material: bpy.types.Material | None) -> bool:
     """Whether a material has our surface (also a copy, and one that is linked from a library)."""
-    return material is not None and MANAGED in material and _surface_node(material) is not None
+    return (
+        material is not None and nodes.MANAGED in material and _surface_node(material) is not None
+    )
 
 
 def managed_materials(world: bpy.types.World | None = None) -> list[bpy.types.Material]:
@@ -144,9 +149,9 @@ def managed_materials(world: bpy.types.World | None = None) -> list[bpy.types.Ma
 def managed(material: bpy.types.Material) -> Managed | None:
     """What a material was given, None if it is not managed."""
     node = _surface_node(material)
-    if MANAGED not in material or node is None:
+    if nodes.MANAGED not in material or node is None:
         return None
-    record = material[MANAGED].to_dict()
+    record = material[nodes.MANAGED].to_dict()
     return Managed(
         reflectance_name=record["reflectance"],
         reflectance_hash=record["reflectance_hash"],
@@ -180,9 +185,9 @@ def check_editable(material: bpy.types.Material) -> None:
         raise InputError(place, "is for Grease Pencil", "choose a surface material")
 
 
-def _set(node: bpy.types.Node, matrix, lights: Mapping[str, Sequence[float]] | None) -> None:
+def _set(node: bpy.types.Node, matrix, reflected: Mapping[str, Sequence[float]] | None) -> None:
     spectral_matrix.set_matrix(node, matrix)
-    for name, rgb in (lights or {}).items():
+    for name, rgb in (reflected or {}).items():
         node.inputs[name].default_value = tuple(float(part) for part in rgb)
 
 
@@ -201,7 +206,7 @@ def _outputs(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
 def _take_over(material: bpy.types.Material, group: bpy.types.NodeTree) -> bpy.types.Node:
     without_nodes = bpy.app.version < (5, 0, 0) and not material.use_nodes
     nodes.use(material)
-    material[MANAGED] = {"without_nodes": without_nodes}
+    material[nodes.MANAGED] = {"without_nodes": without_nodes}
     tree = material.node_tree
     outputs = _outputs(tree)
     if not outputs:

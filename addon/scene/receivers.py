@@ -9,7 +9,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from . import materials
+from . import nodes
 
 KEY = "spectral_skylight_receivers"
 
@@ -51,8 +51,12 @@ def _receives(obj: bpy.types.Object) -> bool:
     return _has_managed(obj) and not _burns(obj)
 
 
+def _is_managed(material: bpy.types.Material | None) -> bool:
+    return material is not None and nodes.MANAGED in material
+
+
 def _has_managed(obj: bpy.types.Object) -> bool:
-    return any(materials.is_managed(slot.material) for slot in obj.material_slots)
+    return any(_is_managed(slot.material) for slot in obj.material_slots)
 
 
 def _burns(obj: bpy.types.Object) -> bool:
@@ -65,7 +69,7 @@ def _burns(obj: bpy.types.Object) -> bool:
         index = np.empty(len(obj.data.polygons), np.int32)
         obj.data.polygons.foreach_get("material_index", index)
         shown = np.unique(np.minimum(index, len(slots) - 1)).tolist()
-    return any(not materials.is_managed(slots[k]) and _scatters(slots[k]) for k in shown)
+    return any(not _is_managed(slots[k]) and _scatters(slots[k]) for k in shown)
 
 
 def _scatters(material: bpy.types.Material | None) -> bool:

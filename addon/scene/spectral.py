@@ -31,7 +31,7 @@ from ..transfer.choice import (
 )
 from ..transfer.matrices import Transfer, transfer
 from ..transfer.white import AUTO, estimate_white, settle_white
-from . import materials, openness, sky_light, working_space
+from . import lights, materials, openness, sky_light, working_space
 from . import settings as world_settings
 from . import world as worlds
 
@@ -40,7 +40,7 @@ from . import world as worlds
 class Settings:
     """What made the HDRI's numbers, the model of skylight, and how exact it has to be.
 
-    All but the last are options of `transfer`; ``basis`` may be `SIMPLEST` too. With a
+    The first four are options of `transfer`; ``basis`` may be `SIMPLEST` too. With a
     ``tolerance`` [CIEDE2000] each material gets the least model that keeps to it, and the sky the
     lowest degree.
     """
@@ -50,6 +50,8 @@ class Settings:
     white: tuple[float, float, float] | None = None
     sun_elevation: float | None = None
     tolerance: float | None = None
+    sun: bool = True
+    """Whether the HDRI's sun shines on materials, by a lamp."""
 
     def transfer(self, light: SkyLight | None = None, basis: str | None = None) -> Transfer:
         """Return the map from reflectances to matrices of the open file's working space.
@@ -163,12 +165,15 @@ def make_spectral(
     if settings.tolerance is not None and bpy.context.scene.world == world:
         hidden = openness.hidden_share(bpy.context.scene, list(reflectances))
         model += "" if hidden is None else f"; {visibility_line(hidden, settings.tolerance)}"
+    found = lights.find(light, choice.transfer, settings.sun)
     world_settings.store(world, _plain(settings))
-    sky_light.set_coefficients(world, light.fit.coefficients)
+    lights.install(world, found)
     sky_light.describe(
         world,
         {
             **light.report(),
+            "caption": found.caption,
+            "lights": found.lines,
             "settings": _plain(settings),
             "space": choice.transfer.space,
             "image": worlds.sky_of(world).image.name,
@@ -178,6 +183,7 @@ def make_spectral(
     prediction = choice.prediction
     assert prediction is not None
     results = []
+    reflected = found.reflected(values)
     for k, (material, (name, rho)) in enumerate(reflectances.items()):
         expected, bound = choice.error(k)
         result = Result(
@@ -198,8 +204,15 @@ def make_spectral(
             reflectance_name=name,
             reflectance_hash=reflectance_hash(rho),
             extra={**_plain(result), "unknown": prediction.unknown, "values": rho.tolist()},
+            reflected={name: rgb[k] for name, rgb in reflected.items()},
         )
         results.append(result)
+    for material in set(materials.managed_materials(world)) - set(reflectances):
+        managed = materials.managed(material)
+        assert managed is not None
+        kept = found.reflected(np.array(managed.extra["values"]))
+        materials.update(material, managed.matrix, kept)
+    lights.refresh(world)
     return light, results
 
 
