@@ -43,10 +43,13 @@ def save_comparison(
     errors: dict[str, np.ndarray],
     exposure: float,
     captions: list[str],
+    titles: dict[str, str] = TITLES,
+    most: float = 2.0,
 ) -> None:
     """Save pictures side by side under their titles, maps of their CIEDE2000 and captions below.
 
-    ``errors`` (h, w) by the name of the picture, empty where there is no reference.
+    ``errors`` (h, w) by the name of the picture, empty where there is no reference; ``most``: the
+    CIEDE2000 that the maps show brightest.
     """
     import matplotlib
 
@@ -68,10 +71,10 @@ def save_comparison(
         axis.set_axis_off()
     for axis, (kind, image) in zip(axes[0], images.items(), strict=True):
         axis.imshow(show(image, exposure), interpolation="nearest")
-        axis.set_title(TITLES[kind], fontsize=11)
+        axis.set_title(titles[kind], fontsize=11)
     for k, error in enumerate(errors.values()):
         worst = np.nanmax(error)
-        shown = axes[1, k].imshow(error, cmap="magma", vmin=0, vmax=2, interpolation="nearest")
+        shown = axes[1, k].imshow(error, cmap="magma", vmin=0, vmax=most, interpolation="nearest")
         axes[1, k].set_title(
             f"CIEDE2000: mean {np.nanmean(error):.2f}, worst {worst:.1f}", fontsize=10
         )

@@ -1,0 +1,141 @@
+"""How far a picture is from the referee's: which pixels count, and what becomes of noise."""
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from bands import S
+from mathutils import Vector
+from referee import Verdict
+from reference import irradiance, pixel_means
+from scipy.ndimage import binary_erosion, maximum_filter, uniform_filter
+from stage import Stage
+
+from spectral_skylight.addon.transfer.measures import delta_E
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+WINDOW = 5
+"""Pixels: both pictures are means over this square of one and the same face before they are
+compared. The referee's noise falls to a fifth; light that changes slowly stays what it is."""
+
+SHADOW_EDGE = 0.15
+"""Of the brightest of 3 x 3 pixels: where the sun and lamps change by more, a shadow's edge is."""
+
+HOW = (
+    "CIEDE2000 on every pixel that shows one face and lies a pixel from its edge and two from a "
+    f"shadow's edge; both pictures averaged over {WINDOW} x {WINDOW} pixels of that face; white: "
+    "the perfect diffuser in that place (for metals facing up in the open). "
+    "colour: the same with our luminance set to the referee's"
+)
+
+
+@dataclass(frozen=True)
+class Pixels:
+    """What of a picture is compared: ``face`` (h, w) counts the faces, -1 for none."""
+
+    face: np.ndarray
+    judged: np.ndarray
+    white: np.ndarray
+    left_out: float
+    """Share of the surfaces' pixels that are not judged."""
+
+
+def pixels(faces: np.ndarray, stage: Stage, verdict: Verdict) -> Pixels:
+    """Choose what is compared, from `faces_seen` in every ray."""
+    centre = faces[2::4, 2::4]
+    whole = pixel_means(faces == np.repeat(np.repeat(centre, 4, 0), 4, 1)) == 1
+    surface = centre >= 0
+    inside = np.zeros(surface.shape, bool)
+    for face in np.unique(centre[surface]):
+        inside |= binary_erosion((centre == face) & whole)
+    cast, light = verdict.lamps @ LUMINANCE, verdict.spectral @ LUMINANCE
+    swing = _most(cast, inside) + _most(-cast, inside)
+    judged = inside & binary_erosion(~inside | (swing < SHADOW_EDGE * _most(light, inside)))
+    up = irradiance(stage.sky, np.array([[0.0, 0.0, 1.0]]))[0]
+    if stage.sun is not None:
+        up = up + stage.sun.spectrum * max(stage.sun.direction[2], 0.0) / np.pi
+    matt = verdict.white @ LUMINANCE > 0
+    white = np.where(matt[..., None], verdict.white, S @ up)
+    left_out = 1.0 - judged.sum() / max(surface.sum(), 1)
+    return Pixels(centre, judged, white, float(left_out))
+
+
+def _most(values: np.ndarray, where: np.ndarray) -> np.ndarray:
+    """Return the largest of the 3 x 3 values around each pixel that lie somewhere."""
+    return maximum_filter(np.where(where, values, -np.inf), 3)
+
+
+def smoothed(picture: np.ndarray, where: Pixels) -> np.ndarray:
+    """Return a picture whose judged pixels are means over those of the same face around them."""
+    result = picture.astype(float).copy()
+    for face in np.unique(where.face[where.judged]):
+        mine = where.judged & (where.face == face)
+        share = uniform_filter(mine.astype(float), WINDOW, mode="constant")
+        for c in range(3):
+            sums = uniform_filter(np.where(mine, picture[..., c], 0.0), WINDOW, mode="constant")
+            result[..., c][mine] = sums[mine] / share[mine]
+    return result
+
+
+def error_map(picture: np.ndarray, true: np.ndarray, where: Pixels, colour=False) -> np.ndarray:
+    """Return CIEDE2000 (h, w), NaN where nothing is judged; ``colour``: at the same luminance."""
+    a, b, white = (smoothed(p, where)[where.judged] for p in (picture, true, where.white))
+    if colour:
+        a = a * ((b @ LUMINANCE) / np.maximum(a @ LUMINANCE, 1e-9))[:, None]
+    result = np.full(where.judged.shape, np.nan)
+    result[where.judged] = delta_E(a, b, white)
+    return result
+
+
+def figures(error: np.ndarray) -> dict[str, float]:
+    """Return mean, 95th percentile and worst of a map."""
+    found = error[np.isfinite(error)]
+    return {
+        "mean": float(found.mean()),
+        "p95": float(np.percentile(found, 95)),
+        "worst": float(found.max()),
+    }
+
+
+def noise(verdict: Verdict, where: Pixels) -> dict[str, float]:
+    """Return what is left of chance in the referee: half of what its two seeds differ by."""
+    return figures(error_map(*verdict.seeds, where) / 2)
+
+
+def errors(picture: np.ndarray, verdict: Verdict, where: Pixels) -> dict[str, dict]:
+    """Return the figures of a picture's errors, and of its colour's alone."""
+    return {
+        name: figures(error_map(picture, verdict.spectral, where, alone))
+        for name, alone in (("delta_E", False), ("colour", True))
+    }
+
+
+def faces_seen(scene, stage: Stage) -> np.ndarray:
+    """Return for 4 x 4 rays a pixel which face of the open scene they meet, -1 for the sky.
+
+    A ball is one face. A ray goes on behind panes, and what it meets there counts apart.
+    """
+    panes = {
+        name
+        for name, thing in stage.things.items()
+        if stage.matter[thing.matter].transmittance is not None
+    }
+    balls = {name for name, thing in stage.things.items() if thing.ball}
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    origins, directions = stage.camera.rays(4)
+    known: dict[tuple, int] = {}
+    faces = np.full(origins.shape[:2], -1)
+    for at in np.ndindex(faces.shape):
+        origin, direction = Vector(origins[at]), Vector(directions[at])
+        behind = 0
+        while True:
+            hit, place, _, index, thing, _ = scene.ray_cast(depsgraph, origin, direction)
+            if not hit or thing.name not in panes:
+                break
+            behind += 1
+            origin = place + direction * 1e-4
+        if hit:
+            face = 0 if thing.name in balls else index
+            faces[at] = known.setdefault((thing.name, face, behind), len(known))
+    return faces

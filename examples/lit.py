@@ -1,0 +1,194 @@
+"""One example: a scene lit spectrally in Eevee, today's way, and the referee's.
+
+    sh examples/run sun|courtyard|bounce|dusk|texture|gloss|glass [--samples N] [--width N]
+
+Pictures and figures: examples/out/NAME/
+"""
+
+import argparse
+import contextlib
+import json
+import os
+import sys
+import time
+from pathlib import Path
+
+import bands
+import bpy
+import judging
+import lit_scenes
+import numpy as np
+import OpenEXR
+import pictures
+import referee
+import stage as stages
+from lit_scenes import SCENES, Example, Light
+from main_job import command, silenced
+from reference import WAVELENGTHS, sky_directions
+from stage import Stage, Sun
+
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.sky.panorama import write_panorama
+
+
+def main() -> int:
+    """Run one example; exit code as the command line's."""
+    parser = argparse.ArgumentParser(prog="examples/run", description=__doc__.splitlines()[0])
+    parser.add_argument("name", choices=SCENES)
+    parser.add_argument("--samples", type=int, default=128, help="of the referee, a pixel and seed")
+    parser.add_argument("--width", type=int, default=lit_scenes.WIDTH, help="pixels")
+    parser.add_argument("--out", type=Path, default=Path(__file__).parent / "out")
+    options = parser.parse_args()
+    out = (options.out / options.name).resolve()
+    out.mkdir(parents=True, exist_ok=True)
+    try:
+        run(options.name, out, options.samples, (options.width, options.width * 2 // 3))
+    except InputError as error:
+        print(f"examples/run: {error}", file=sys.stderr)
+        return 2
+    print(f"Pictures and report: {out}")
+    return 0
+
+
+def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
+    """Leave the pictures and the report of one example in a folder."""
+    example, seconds = SCENES[name], {}
+    with silenced(out / "blender.log"):
+        with timed(seconds, "scene"):
+            stage = example.build(light(example, out, size))
+            stages.build(stage, referee.Today(), str(out / "sky.exr"))
+            faces = judging.faces_seen(bpy.context.scene, stage)
+            save_scene(out / "scene.blend")
+        with timed(seconds, "referee"):
+            verdict = referee.judge(stage, samples)
+        with timed(seconds, "spectral"):
+            relight(stage, out)
+    images = {
+        "rgb": verdict.rgb,
+        "spectral": pictures.read(out / "spectral.exr"),
+        "reference": verdict.spectral,
+    }
+    where = judging.pixels(faces, stage, verdict)
+    report = {
+        "scene": name,
+        "shows": example.shows,
+        "blender": bpy.app.version_string,
+        "how": judging.HOW,
+        **{kind: judging.errors(images[kind], verdict, where) for kind in ("spectral", "rgb")},
+        "referee": {
+            "noise": judging.noise(verdict, where),
+            "samples": 2 * samples,
+            "knots_nm": bands.KNOTS.tolist(),
+            "bounces": stage.bounces,
+        },
+        "pixels": {"judged": int(where.judged.sum()), "share_left_out": where.left_out},
+        "seconds": seconds,
+    }
+    (out / "report.json").write_text(json.dumps(report, indent=1), encoding="utf-8")
+    save_pictures(out, images, verdict, where, report)
+    print("\n".join(told(report)))
+
+
+def light(example: Example, out: Path, size: tuple[int, int]) -> Light:
+    """Make an example's sky: the HDRI that an architect has, and its spectra for the referee."""
+    sun = "--sun-elevation", example.elevation, "--sun-azimuth", example.azimuth
+    disc = ["--sun-disc"] if example.sunlit else []
+    command("sky", *sun, *disc, "--width", 1024, "--out", out / "sky.exr")
+    spectra = []
+    for width, disc in ((256, []), (64, []), (64, ["--sun-disc"])):
+        path = out / f"sky_{width}.spectral.exr"
+        command("sky", *sun, *disc, "--width", width, "--spectral", path)
+        with OpenEXR.File(str(path)) as file:
+            channels = file.channels().values()
+            spectra.append(np.stack([c.pixels for c in channels], axis=-1).astype(float))
+        path.unlink()
+    sky, without, with_disc = spectra
+    _, solid = sky_directions(without.shape[0])
+    disc = np.maximum(with_disc - without, 0.0) * solid[..., None]
+    place = np.radians([example.elevation, 90.0 - example.azimuth])
+    direction = np.array(
+        [np.cos(place[0]) * np.cos(place[1]), np.cos(place[0]) * np.sin(place[1]), np.sin(place[0])]
+    )
+    return lit_scenes.light_of(sky, Sun(direction, disc.sum(axis=(0, 1))), size)
+
+
+def save_scene(path: Path) -> None:
+    """Save the open scene as an architect has it: Eevee, base colours, lamps, an HDRI."""
+    scene = bpy.context.scene
+    scene.render.engine = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
+    scene.eevee.taa_render_samples = 64
+    scene.view_settings.view_transform = "Standard"
+    bpy.context.preferences.filepaths.save_version = 0
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+
+
+def relight(stage: Stage, out: Path) -> None:
+    """Make the scene spectral, and render it, by the command line alone."""
+    paints = {n: m.reflectance for n, m in stage.matter.items() if m.reflectance is not None}
+    paints = {name: values for name, values in paints.items() if values.ndim == 1}
+    write_csv(out / "paints.csv", paints)
+    assigned = [f"{name}={out / 'paints.csv'}:{name}" for name in paints]
+    options = [part for text in assigned for part in ("--assign", text)]
+    if not options:
+        command("render", out / "scene.blend", "--engine", "eevee", "--out", out / "spectral.exr")
+        return
+    command("apply", out / "scene.blend", *options, "--out", out / "skylight.blend")
+    command("render", out / "skylight.blend", "--engine", "eevee", "--out", out / "spectral.exr")
+
+
+def write_csv(path: Path, columns: dict[str, np.ndarray]) -> None:
+    """Write spectra (81,) as a table that the command line reads."""
+    rows = ["wavelength_nm," + ",".join(columns)]
+    for values in zip(WAVELENGTHS, *columns.values(), strict=True):
+        rows.append(",".join(f"{value:.6g}" for value in values))
+    path.write_text("\n".join(rows) + "\n", encoding="utf-8")
+
+
+def save_pictures(out, images, verdict, where, report) -> None:
+    """Save each picture as EXR and PNG, and all beside the maps of their errors."""
+    bright = np.percentile((verdict.spectral @ judging.LUMINANCE)[where.face >= 0], 98)
+    exposure = float(np.log2(0.7 / bright))
+    for kind, picture in images.items():
+        if kind != "spectral":
+            write_panorama(out / f"{kind}.exr", picture)
+        pictures.save_png(out / f"{kind}.png", picture, exposure)
+    errors = {k: judging.error_map(images[k], verdict.spectral, where) for k in ("rgb", "spectral")}
+    pictures.save_comparison(
+        out / f"{report['scene']}.png",
+        images,
+        errors,
+        exposure,
+        told(report),
+        titles={**pictures.TITLES, "reference": "Cycles, wavelength by wavelength"},
+        most=5.0,
+    )
+
+
+def told(report: dict) -> list[str]:
+    """Return what a report says, in lines."""
+    lines = [report["shows"]]
+    for kind, name in (("rgb", "RGB × RGB"), ("spectral", "Spectral Skylight")):
+        whole, colour = (report[kind][key] for key in ("delta_E", "colour"))
+        lines.append(
+            f"{name}: CIEDE2000 mean {whole['mean']:.2f}, p95 {whole['p95']:.2f}, "
+            f"worst {whole['worst']:.2f}; colour alone {colour['mean']:.2f}, {colour['p95']:.2f}, "
+            f"{colour['worst']:.2f}"
+        )
+    noise = report["referee"]["noise"]
+    lines.append(f"Noise of the reference: mean {noise['mean']:.2f}, p95 {noise['p95']:.2f}")
+    return lines
+
+
+@contextlib.contextmanager
+def timed(seconds: dict[str, float], name: str):
+    """Keep how long something took."""
+    began = time.perf_counter()
+    yield
+    seconds[name] = round(time.perf_counter() - began, 1)
+
+
+if __name__ == "__main__":
+    status = main()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(status)  # bpy before 5.0 can crash while the interpreter takes itself apart
