@@ -29,7 +29,8 @@ def ensure(tree: bpy.types.NodeTree | None = None) -> bpy.types.NodeTree:
     """A `Light Probe` group: the given one, updated, its colours kept; or a new one.
 
     Inputs: Normal (world space; unlinked: the shading normal) and Strength, the World's. Outputs,
-    as irradiance/π: Sun and Sky (RGB, the sky that a dome of lamps holds), Lamp 1 and Lamp 2.
+    as irradiance/π: Sun and Sky (RGB, the sky that a dome of lamps holds), Lamp 1 and Lamp 2; and
+    Sun Color, what the sun gives a face that looks at it, which Cycles knows too.
     """
     kept = {} if tree is None else {name: colour(tree, name) for name in (SUN, GREEN, BLUE)}
     tree = groups.ensure(
@@ -42,6 +43,7 @@ def ensure(tree: bpy.types.NodeTree | None = None) -> bpy.types.NodeTree:
             ("Lamp 1", "NodeSocketFloat", None),
             ("Lamp 2", "NodeSocketFloat", None),
             ("Sky", "NodeSocketVector", None),
+            ("Sun Color", "NodeSocketVector", None),
         ],
         _build,
     )
@@ -78,12 +80,14 @@ def _build(tree: bpy.types.NodeTree) -> None:
         return node.outputs[0]
 
     # The sun's lamp is of strength 1 and its colour an irradiance/π: 1/π of 1 is seen of it.
-    sun = lit(SUN, times(times(red, math.pi / STRENGTH), given["Strength"]))
+    sun_colour = lit(SUN, given["Strength"])
+    sun = add("ShaderNodeVectorMath", sun_colour, operation="SCALE")
+    tree.links.new(times(red, math.pi / STRENGTH), sun.inputs["Scale"])
     lamps = [times(channel, 1.0 / STRENGTH) for channel in (green, blue)]
     dome = [
         lit(name, times(number, given["Strength"]))
         for name, number in zip((GREEN, BLUE), lamps, strict=True)
     ]
     sky = add("ShaderNodeVectorMath", *dome, operation="ADD")
-    add("NodeGroupOutput", sun, *lamps, sky.outputs[0])
+    add("NodeGroupOutput", sun.outputs[0], *lamps, sky.outputs[0], sun_colour)
     groups.arrange(tree)

@@ -1,13 +1,14 @@
 """`Skylight Surface`: a matt surface that the light of one World shines on, as an Emission.
 
     colour = M E_sky + Ground E_ground + Sun E_sun + Lamp 1 E_1 + Lamp 2 E_2
+             + N_1 E_by_way_of_1 + N_2 E_by_way_of_2
 
 M is the material's matrix for skylight; Ground, Sun and Lamp are what it reflects of light of one
-known spectrum, three numbers each. A material differs from another by the values of its group
-node's inputs alone, so one shader serves all of a World; what that World has none of is not in it
-(`Features`). Drivers copy the World's strength and rotation; their target is also how the group of
-a World is known. (A custom property that points to the World would do the same, but in Blender 4.5
-each render takes a user off it.)
+known spectrum, three numbers each; N_k the matrix of its reflectance times that of a neighbour. A
+material differs from another by the values of its group node's inputs alone, so one shader serves
+all of a World; what that World has none of is not in it (`Features`). Drivers copy the World's
+strength and rotation; their target is also how the group of a World is known. (A custom property
+that points to the World would do the same, but in Blender 4.5 each render takes a user off it.)
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from typing import Literal
 
 import bpy
 
-from . import light_probe, normals, sky_irradiance, spectral_matrix
+from . import light_probe, normals, sky_irradiance, sky_visibility, spectral_matrix
 from . import tree as groups
 
 KIND = "Skylight Surface"
@@ -27,7 +28,11 @@ SKY = "Sky"  # the nodes whose Rotation and Strength follow the World
 GROUND = "Ground"
 PROBE = "Probe"
 VISIBILITY = "Visibility"
-LIGHTS = ("Ground", "Sun", "Lamp 1", "Lamp 2")
+LIGHTS = ("Ground", "Sun", "Lamp 1", "Lamp 2", "Bounce 1 Sun", "Bounce 2 Sun")
+BOUNCES = ("Bounce 1", "Bounce 2")
+IRRADIANCE, REFLECTANCE = "Skylight Irradiance", "Skylight Reflectance"
+"""Passes (AOVs) that a view layer may ask for: the sky's irradiance/π, and the material's colour
+under a light of (1, 1, 1)."""
 
 
 @dataclass(frozen=True)
@@ -36,12 +41,14 @@ class Features:
 
     ``sky``: "open"; "baked", where vertices know how much of the sky they see; "dome", live from
     lamps (Eevee; open in Cycles). ``probe``: sun or lamps; a dome needs it. ``ground``: light from
-    below on its own. Another value compiles another shader.
+    below on its own. ``bounce``: light by way of neighbours, from a bake. Another value compiles
+    another shader.
     """
 
     sky: Literal["open", "baked", "dome"] = "open"
     probe: bool = False
     ground: bool = False
+    bounce: bool = False
 
     def __str__(self) -> str:
         return " ".join(str(part) for part in astuple(self))
@@ -75,7 +82,8 @@ def features_of(tree: bpy.types.NodeTree) -> Features:
     sky = "baked" if VISIBILITY in tree.nodes else "open"
     if PROBE in tree.nodes and tree.nodes[PROBE].outputs["Sky"].is_linked:
         sky = "dome"
-    return Features(sky, PROBE in tree.nodes, GROUND in tree.nodes)  # type: ignore[arg-type]
+    bounce = sky == "baked" and tree.nodes[VISIBILITY].outputs["Bounce 1"].is_linked
+    return Features(sky, PROBE in tree.nodes, GROUND in tree.nodes, bounce)  # type: ignore[arg-type]
 
 
 def ensure(
@@ -100,12 +108,15 @@ def ensure(
         features = features_of(tree) if tree else Features()
     sky = sky_irradiance.ensure(old.get(SKY))
     parts = {SKY: sky}
+    dome, bounce = features.sky == "dome", features.sky == "baked" and features.bounce
     if features.ground:
         parts[GROUND] = sky_irradiance.ensure(
             old.get(GROUND), sky_irradiance.GROUND, sky_irradiance.GROUND_DEGREE
         )
-    if features.probe or features.sky == "dome":
+    if features.probe or dome:
         parts[PROBE] = light_probe.ensure(old.get(PROBE))
+    if features.sky == "baked":
+        parts[VISIBILITY] = sky_visibility.ensure(old.get(VISIBILITY), bounce)
     tree = groups.ensure(
         tree,
         KIND,
@@ -115,9 +126,14 @@ def ensure(
             ("Normal", "NodeSocketVector", None),
             ("Alpha", "NodeSocketFloat", 1.0),
             *((name, "NodeSocketVector", (0.0, 0.0, 0.0)) for name in LIGHTS),
+            *(
+                (f"{name} {row}", "NodeSocketVector", (0.0, 0.0, 0.0))
+                for name in BOUNCES
+                for row in "RGB"
+            ),
         ],
         [("Shader", "NodeSocketShader", None), ("Cycles", "NodeSocketShader", None)],
-        partial(_build, parts=parts, matrix=spectral_matrix.ensure(), dome=features.sky == "dome"),
+        partial(_build, parts=parts, matrix=spectral_matrix.ensure(), dome=dome, bounce=bounce),
         variant=str(features),
     )
     for name, inside in parts.items():
@@ -154,6 +170,7 @@ def _build(
     parts: dict[str, bpy.types.NodeTree],
     matrix: bpy.types.NodeTree,
     dome: bool,
+    bounce: bool,
 ) -> None:
     add = partial(groups.add, tree)
     given = add("NodeGroupInput").outputs
@@ -179,12 +196,20 @@ def _build(
             tree.links.new(source, enabled)
         return next(socket for socket in node.outputs if socket.enabled)
 
-    def reflected(sky):
+    def reflected(sky, rows):
         node = add("ShaderNodeGroup", node_tree=matrix)
         tree.links.new(sky, node.inputs["Color"])
-        for row in spectral_matrix.ROWS:
-            tree.links.new(given[row], node.inputs[row])
+        for row, source in zip(spectral_matrix.ROWS, rows, strict=True):
+            tree.links.new(given[source], node.inputs[row])
         return node.outputs[0]
+
+    def open_below(share):
+        """What of the light from below a face gets: its open share over that of a free face."""
+        normal = normals.build(tree, given["Normal"])
+        down = add("ShaderNodeVectorMath", normal, (0.0, 0.0, -0.5), operation="DOT_PRODUCT")
+        free = add("ShaderNodeMath", down.outputs["Value"], 0.5, operation="ADD")
+        some = add("ShaderNodeMath", free.outputs[0], 1e-3, operation="MAXIMUM")
+        return add("ShaderNodeMath", share, some.outputs[0], operation="DIVIDE").outputs[0]
 
     probe = light(PROBE).outputs if PROBE in parts else None
     sky = light(SKY).outputs[0]
@@ -195,10 +220,28 @@ def _build(
     if GROUND in parts:
         ground = light(GROUND).outputs[0]
         if seen:
-            ground = choice(seen["Baked"], ground, scaled(ground, seen["Ground"]))
+            ground = choice(seen["Baked"], ground, scaled(ground, open_below(seen["Ground"])))
         both.append(vector("MULTIPLY", given["Ground"], ground))
-    colours = {"Shader": reflected(probe["Sky"] if dome else sky)}
-    colours["Cycles"] = reflected(sky) if dome else colours["Shader"]
+    if bounce:
+        for name in BOUNCES:
+            both.append(reflected(seen[name], [f"{name} {row}" for row in "RGB"]))
+            if probe:
+                sun = scaled(probe["Sun Color"], seen[f"{name} Sun"])
+                both.append(vector("MULTIPLY", given[f"{name} Sun"], sun))
+    own = spectral_matrix.ROWS
+    even = [
+        add("ShaderNodeVectorMath", given[row], (1.0,) * 3, operation="DOT_PRODUCT").outputs[
+            "Value"
+        ]
+        for row in own
+    ]
+    for name, colour in (
+        (IRRADIANCE, probe["Sky"] if dome else sky),
+        (REFLECTANCE, add("ShaderNodeCombineXYZ", *even).outputs[0]),
+    ):
+        add("ShaderNodeOutputAOV", colour, aov_name=name)
+    colours = {"Shader": reflected(probe["Sky"] if dome else sky, own)}
+    colours["Cycles"] = reflected(sky, own) if dome else colours["Shader"]
     for name, colour in colours.items():
         for more in both:
             colours[name] = colour = vector("ADD", more, colour)

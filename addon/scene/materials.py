@@ -14,12 +14,12 @@ from typing import Any
 
 import bpy
 
-from ...node_groups import skylight_surface, spectral_matrix
+from ...node_groups import skylight_surface, spectral_matrix, spectral_texture
 from ...node_groups import tree as groups
 from ..errors import InputError
-from . import lights, nodes, sky_light
+from . import lights, look, nodes, sky_light
+from .look import OURS
 
-OURS = "spectral_skylight_node"  # on the nodes that we added
 OUTPUT = "spectral_skylight_output"  # on an output: the number under which …
 SOURCE = "spectral_skylight_source"  # … the node that fed it remembers its socket
 
@@ -47,22 +47,27 @@ def apply(
     reflectance_hash: str,
     extra: dict[str, Any] | None = None,
     reflected: Mapping[str, Sequence[float]] | None = None,
+    gloss: bool = False,
+    textured: bool = False,
 ) -> None:
     """Light a material by the sky of a World through its matrix (3, 3); twice is once.
 
     Its Normal and Alpha stay what the replaced shader had. `extra` is kept with the material
     (anything that JSON can hold). ``reflected``: what it reflects of `skylight_surface.LIGHTS`, RGB
-    each. Raises InputError for a linked or overridden material and where `world.sky_of` does; the
-    material is untouched then.
+    each. ``gloss``: its gloss and metal stay too; ``textured``: the texture of its base colour
+    makes its reflectance, by what `set_texture` is told. Raises InputError for a linked or
+    overridden material and where `world.sky_of` does; the material is untouched then.
     """
     check_editable(material)
     group = sky_light.ensure(world)
     node = _surface_node(material)
-    if node is None or not any(
-        out.is_linked for out in node.outputs
-    ):  # new, or a user has unplugged or deleted it
+    kept = material.get(nodes.MANAGED, {})
+    unplugged = node is not None and not any(out.is_linked for out in node.outputs)
+    other = (kept.get("gloss", False), kept.get("textured", False)) != (gloss, textured)
+    if node is None or unplugged or other:
         remove(material)
-        node = _take_over(material, group)
+        node = _take_over(material, sky_light.ensure(world), gloss, textured)
+        group = node.node_tree
     node.node_tree = group
     _set(node, matrix, reflected)
     _tell_engines_apart(material.node_tree, node)
@@ -74,6 +79,8 @@ def apply(
         "reflectance_hash": reflectance_hash,
         "extra": json.dumps(extra or {}),  # custom properties hold no nested lists
         "without_nodes": kept.get("without_nodes", False),
+        "gloss": gloss,
+        "textured": textured,
     }
 
 
@@ -92,6 +99,31 @@ def update(
         raise InputError(f'material "{material.name}"', "has no reflectance yet", "apply one first")
     _set(node, matrix, reflected)
     _tell_engines_apart(material.node_tree, node)
+
+
+def colour_of(material: bpy.types.Material) -> tuple[tuple[float, ...], bool]:
+    """What a material shows as its base colour without us, RGB in the working space.
+
+    And whether a texture makes it: the value is then that of the input behind the texture.
+    """
+    outputs = _outputs(material.node_tree) if material.node_tree else []
+    if not outputs:
+        return tuple(material.diffuse_color)[:3], False
+    found = look.read(_source_before(material.node_tree, outputs[0]))
+    return found.rgb, found.colour is not None
+
+
+def set_texture(
+    material: bpy.types.Material, values: Mapping[str, Any], to_rec709: Any = None
+) -> None:
+    """Tell a textured material what its texture's red, green and blue reflect of each light.
+
+    ``values``: by the names of `spectral_texture.OUTPUTS`, (3, 3) each; ``to_rec709`` (3, 3): from
+    the texture's colours to linear Rec.709.
+    """
+    node = look.texture_node(material)
+    if node is not None:
+        spectral_texture.set_values(node, values, to_rec709)
 
 
 def remove(material: bpy.types.Material) -> None:
@@ -203,7 +235,9 @@ def _outputs(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
     return list(dict.fromkeys(node for node in found if node is not None and node.id_data == tree))
 
 
-def _take_over(material: bpy.types.Material, group: bpy.types.NodeTree) -> bpy.types.Node:
+def _take_over(
+    material: bpy.types.Material, group: bpy.types.NodeTree, gloss: bool, textured: bool
+) -> bpy.types.Node:
     without_nodes = bpy.app.version < (5, 0, 0) and not material.use_nodes
     nodes.use(material)
     material[nodes.MANAGED] = {"without_nodes": without_nodes}
@@ -215,6 +249,8 @@ def _take_over(material: bpy.types.Material, group: bpy.types.NodeTree) -> bpy.t
     node = groups.add(tree, "ShaderNodeGroup", node_tree=group, name=group.name, label=group.name)
     node[OURS] = "surface"
     node.location = outputs[0].location.x - 40, outputs[0].location.y + 260
+    before = look.read(nodes.source(outputs[0].inputs["Surface"]))
+    look.dress(material, node, before, None if gloss else look.MATT, textured)
     for number, output in enumerate(outputs):
         surface = output.inputs["Surface"]
         output[OUTPUT] = number
@@ -223,8 +259,6 @@ def _take_over(material: bpy.types.Material, group: bpy.types.NodeTree) -> bpy.t
             memory = dict(link.from_node.get(SOURCE, {}))
             memory[str(number)] = [link.from_socket.identifier, str(int(link.is_muted))]
             link.from_node[SOURCE] = memory
-            if number == 0:
-                _carry_over(tree, nodes.source(surface), node)
     return node
 
 
@@ -245,7 +279,17 @@ def _tell_engines_apart(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
     for output in _outputs(tree):
         if OUTPUT in output or OURS in output:
             name = "Cycles" if output.target == "CYCLES" else "Shader"
-            tree.links.new(node.outputs[name], output.inputs["Surface"])
+            tree.links.new(look.tops(tree, node)[name], output.inputs["Surface"])
+
+
+def _source_before(tree: bpy.types.NodeTree, output: bpy.types.Node) -> bpy.types.NodeSocket | None:
+    """What feeds an output, or fed it before we did."""
+    number = str(output.get(OUTPUT))
+    for source in tree.nodes:
+        if number in source.get(SOURCE, {}):
+            identifier = source[SOURCE][number][0]
+            return next((s for s in source.outputs if s.identifier == identifier), None)
+    return nodes.source(output.inputs["Surface"])
 
 
 def _plug_back(tree: bpy.types.NodeTree, surface: bpy.types.NodeSocket, number: str) -> None:
@@ -257,44 +301,3 @@ def _plug_back(tree: bpy.types.NodeTree, surface: bpy.types.NodeSocket, number: 
             if socket.identifier == identifier:
                 tree.links.new(socket, surface).is_muted = muted == "1"
                 return
-
-
-def _carry_over(
-    tree: bpy.types.NodeTree, shader: bpy.types.NodeSocket | None, node: bpy.types.Node
-) -> None:
-    """Link our Normal and Alpha to what the shader before had there."""
-    if shader is None:
-        return
-    normal = _linked_normal(shader.node)
-    if normal is not None:
-        tree.links.new(normal.links[0].from_socket, node.inputs["Normal"])
-    opacity = _opacity(shader.node)
-    if opacity is None:
-        return
-    if opacity.is_linked:
-        tree.links.new(opacity.links[0].from_socket, node.inputs["Alpha"])
-    else:
-        node.inputs["Alpha"].default_value = opacity.default_value
-
-
-def _linked_normal(node: bpy.types.Node) -> bpy.types.NodeSocket | None:
-    """The linked Normal input of a shader, or of the first shader in a mix that has one."""
-    normal = node.inputs.get("Normal")
-    if normal is not None and normal.is_linked:
-        return normal
-    for socket in node.inputs:
-        part = nodes.source(socket) if socket.type == "SHADER" else None
-        normal = _linked_normal(part.node) if part else None
-        if normal is not None:
-            return normal
-    return None
-
-
-def _opacity(node: bpy.types.Node) -> bpy.types.NodeSocket | None:
-    """The Alpha input of a shader, or the factor that mixes it over a Transparent BSDF."""
-    if node.type == "MIX_SHADER":
-        below = nodes.source(node.inputs[1])
-        if below is not None and below.node.type == "BSDF_TRANSPARENT":
-            return node.inputs[0]
-        return None
-    return node.inputs.get("Alpha")
