@@ -18,6 +18,7 @@ FLOOR = 0.01
 _COLOURS = {
     "RGB × RGB": "#c1272d",
     "3x3": "#15803c",
+    "texture": "#0f8a8a",
     "six channels": "#8a4fa3",
     "bands": "#1f6fb4",
     "spectrum restored": "#b4690e",

@@ -29,6 +29,8 @@ from ..spectra.sensitivities import observer
 from ..spectra.working_spaces import DEFAULT_SPACE, XYZ_to_working
 from . import upsampling
 from .matrices import transfer
+from .prediction import rgb_albedo
+from .textures import basis
 
 
 @dataclass(frozen=True)
@@ -266,6 +268,20 @@ def _mallett_yuksel(sky: Sky, rho: NDArray[np.float64]) -> Prepared:
     return Prepared(observer(), _reflected(rho, upsampling.mallett_yuksel()))
 
 
+def _texture(sky: Sky, rho: NDArray[np.float64]) -> Prepared:
+    """All that a texture knows of a material is its RGB under D65: see `textures`.
+
+    Three matrices, the same for every texture; each pixel mixes what they make of its light.
+    """
+    three = with_basis("atmosphere", "colour", "elevation").prepare(sky, basis()).state
+
+    def shade(state: NDArray, pixels: NDArray) -> NDArray:
+        each = three.reshape(9, 3).astype(pixels.dtype) @ pixels
+        return np.tensordot(state, each.reshape(3, 3, -1), 1)
+
+    return Prepared(sky.S_in, rgb_albedo(rho), shade)
+
+
 TODAY = {f"RGB × RGB in {space.split()[-1]}": space for space in (DEFAULT_SPACE, "Linear Rec.2020")}
 """Today's way by the space that it multiplies in: two marks to beat."""
 
@@ -293,6 +309,7 @@ METHODS: dict[str, Method] = {
         with_basis("atmosphere", "elevation"),
         with_basis("atmosphere", "colour", "elevation"),
         Method(BEST, "3x3", _best_matrix, ("truth",)),
+        Method("texture, three matrices", "texture", _texture, ("colour", "elevation")),
         Method("six channels multiplied", "six channels", _six_multiplied),
         Method("six channels, 3x6", "six channels", _six_matrix),
         *(_bands(count) for count in (4, 8, 16, 31, 81)),

@@ -11,7 +11,7 @@ from spectral_skylight.addon.spectra.grid import resample
 from spectral_skylight.addon.spectra.illuminants import D65
 from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.addon.spectra.working_spaces import XYZ_to_working
-from spectral_skylight.addon.transfer import methods, upsampling
+from spectral_skylight.addon.transfer import methods, textures, upsampling
 from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.measures import relative_error
 from spectral_skylight.addon.transfer.methods import (
@@ -23,6 +23,7 @@ from spectral_skylight.addon.transfer.methods import (
     true_colours,
     with_basis,
 )
+from spectral_skylight.addon.transfer.prediction import rgb_albedo
 
 ROUNDING = 1e-9
 """Of sums of 81 float64 products and small linear systems."""
@@ -100,6 +101,22 @@ def test_light_s_size_and_reflectance_s_size_come_through(name, checker):
     colours = estimate(METHODS[name], [Sky(sky, 20.0)], checker)
     twice = estimate(METHODS[name], [Sky(2.0 * sky, 20.0)], 0.5 * checker)
     np.testing.assert_allclose(twice, colours, rtol=1e-6, atol=1e-9 * np.abs(colours).max())
+
+
+def test_a_texture_is_the_material_that_its_colour_makes(checker):
+    """One that is a mixture of the basis already has its own matrix; a measured one is between."""
+    mixed = rgb_albedo(checker) @ textures.basis()
+    own = "atmosphere, colour and elevation known"
+    sky = Sky(of_the_day(), 20.0)
+    texture = METHODS["texture, three matrices"]
+    np.testing.assert_allclose(
+        estimate(texture, [sky], checker), estimate(METHODS[own], [sky], mixed), rtol=1e-9
+    )
+    left, best, today = (
+        errors(name, sky.lights, checker).mean()
+        for name in (texture.name, own, "RGB × RGB in Rec.709")
+    )
+    assert best < 0.7 * left < 0.7 * today
 
 
 def test_more_bands_leave_less(checker):
