@@ -33,7 +33,7 @@ MODULES_OF = {
     "sky": {"numpy", "OpenEXR", "pvlib", "scipy", "tqdm"},
     "transfer": {"numpy", "colour", "matplotlib", "scipy", "tqdm"},
     "node_groups": {"bpy"},
-    "scene": {"bpy", "mathutils", "numpy"},
+    "scene": {"bpy", "embreex", "mathutils", "numpy"},
     "ui": {"bpy"},
     "registration": {"bpy"},
     "cli": set(),
@@ -42,7 +42,7 @@ MODULES_OF = {
 }
 """Room and the modules from outside, Python's own apart, that it may import."""
 
-WHEELS = {"colour", "scipy", "OpenEXR"}
+WHEELS = {"colour", "scipy", "OpenEXR", "embreex"}
 """What only the add-on's zip brings; imported when first needed, never when a file is imported."""
 
 

@@ -42,13 +42,16 @@ def harmonics(directions: ArrayLike, degree: int = DEGREE) -> NDArray[np.floatin
     """
     x, y, z = np.moveaxis(np.asarray(directions), -1, 0)
     result = np.empty((*x.shape, (degree + 1) ** 2), dtype=np.result_type(x, np.float32))
-    for index, value in enumerate(_values(x, y, z)[: (degree + 1) ** 2]):
+    for index, value in enumerate(functions(x, y, z)[: (degree + 1) ** 2]):
         result[..., index] = value
     return result
 
 
-def _values(x, y, z):
-    """The 16 functions by themselves (P.-P. Sloan 2008, Stupid Spherical Harmonics Tricks)."""
+def functions(x: NDArray, y: NDArray, z: NDArray) -> tuple[NDArray, ...]:
+    """Return the 16 functions one by one, each of the shape of x, y, z of unit vectors.
+
+    P.-P. Sloan 2008, Stupid Spherical Harmonics Tricks, appendix A2, without its signs.
+    """
     across, squares = x * y, x * x - y * y
     return (
         np.full_like(x, 0.28209479177387814),

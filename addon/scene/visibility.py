@@ -1,0 +1,181 @@
+"""What points of a scene see of the sky: rays about their normals, summed up into harmonics."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from os import cpu_count
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..sky.harmonics import KEYS, functions
+from ..sky.irradiance import exact_irradiance
+from . import rays as casting
+
+CHUNK = 2**18
+"""Rays at once and thread: some 50 MB."""
+
+CELL = 3.0
+"""[degrees] that a sky's pixels are averaged over before rays look them up: about what a ray of
+256 stands for."""
+
+
+@dataclass
+class Views:
+    """What each of n points sees of what lies beyond all triangles."""
+
+    sky: NDArray[np.float32]
+    """(n, 16), integral of visibility times cosine / pi times each harmonic over the upper sky."""
+    ground: NDArray[np.float32]
+    """(n,), the same below the horizon, of the constant 1: 0 to 1."""
+    inside: NDArray[np.bool_]
+    """(n,), whether a point sees backs of faces only: it lies in something solid."""
+    bits: NDArray[np.uint8]
+    """(n, rays / 8), which rays reach the sky, in the order of `directions`."""
+
+    @classmethod
+    def empty(cls, count: int, rays: int) -> Views:
+        """Views of points that see nothing yet."""
+        sky = np.zeros((count, len(KEYS)), np.float32)
+        ground, inside = np.zeros(count, np.float32), np.zeros(count, bool)
+        return cls(sky, ground, inside, np.zeros((count, rays // 8), np.uint8))
+
+    def at(self, index: NDArray) -> Views:
+        """The views of some points, as copies."""
+        return Views(*(values[index] for values in vars(self).values()))
+
+    def put(self, at: NDArray, other: Views) -> None:
+        """Write the views of some points over those at their places."""
+        for name, values in vars(self).items():
+            values[at] = getattr(other, name)
+
+
+def directions(normals: NDArray, rays: int) -> NDArray[np.float32]:
+    """Return unit vectors about each normal (n, 3), (n, rays, 3), as dense as the cosine.
+
+    Every point has the same pattern (a sunflower's: H. Vogel 1979, DOI
+    10.1016/0025-5564(79)90080-4), so that neighbours err alike, and light shows no grain. The
+    frame turns steadily with the normal (J. Frisvad 2012, DOI 10.1080/2165347X.2012.689606), but
+    where that looks straight down.
+    """
+    normals = np.asarray(normals, np.float32)
+    index = np.arange(rays) + 0.5
+    angle, level = index * np.pi * (3.0 - 5.0**0.5), np.sqrt(index / rays)
+    x, y = (level * np.cos(angle)).astype(np.float32), (level * np.sin(angle)).astype(np.float32)
+    z = np.sqrt(1.0 - level**2).astype(np.float32)
+    nx, ny, nz = normals.T
+    down = nz < -0.9999
+    scale = 1.0 / np.where(down, 1.0, 1.0 + nz)
+    side = np.stack([1.0 - nx * nx * scale, -nx * ny * scale, -nx], axis=1)
+    along = np.stack([-nx * ny * scale, 1.0 - ny * ny * scale, -ny], axis=1)
+    side[down], along[down] = (0.0, -1.0, 0.0), (-1.0, 0.0, 0.0)
+    frame = np.stack([side, along, normals], axis=1)
+    return np.stack([x, y, z], axis=1) @ frame
+
+
+def look(
+    scene: casting.Occluders,
+    places: NDArray,
+    normals: NDArray,
+    rays: int = 256,
+    slow: bool = False,
+) -> Iterator[tuple[slice, Views]]:
+    """Yield what points (n, 3) with unit normals (n, 3) see, a few thousand of them at a time.
+
+    In the world; `rays` is a multiple of 8. The points must lie a little off their faces. With
+    `embreex` all processors work; `slow` does without.
+    """
+    step = max(1, CHUNK // rays)
+    parts = [slice(start, start + step) for start in range(0, len(places), step)]
+    starts = (places - scene.origin).astype(np.float32)
+
+    def one(part: slice) -> Views:
+        return _look(scene, starts[part], normals[part], rays, slow)
+
+    if slow or not casting.fast() or len(parts) < 2:
+        for part in parts:
+            yield part, one(part)
+        return
+    scene.first_hits(starts[:1], starts[:1])  # builds, before threads would each do so
+    workers = cpu_count() or 1
+    with ThreadPoolExecutor(workers) as pool:
+        for first in range(0, len(parts), workers):
+            now = parts[first : first + workers]
+            yield from zip(now, pool.map(one, now), strict=True)
+
+
+def _look(scene, starts, normals, rays, slow):
+    ways = directions(normals, rays)
+    origins = np.repeat(starts, rays, axis=0)
+    hits = scene.first_hits(origins, ways.reshape(-1, 3), slow).reshape(len(starts), rays)
+    reaches, up = hits < 0, ways[..., 2] > 0.0
+    seen = (reaches & up).astype(np.float32)
+    x, y, z = (np.ascontiguousarray(ways[..., axis]) for axis in range(3))
+    sky = np.stack([np.einsum("nr,nr->n", seen, y_lm) for y_lm in functions(x, y, z)], 1) / rays
+    ground = (reaches & ~up).mean(axis=1, dtype=np.float32)
+    inside = np.zeros(len(starts), bool)
+    blind = np.flatnonzero(~reaches.any(axis=1))
+    if len(blind):
+        backs = np.einsum("nrk,nrk->nr", ways[blind], scene.normals[hits[blind]]) > 0.0
+        inside[blind] = backs.mean(axis=1) > 0.5
+    return Views(sky, ground, inside, np.packbits(reaches, axis=1))
+
+
+@dataclass
+class Sky:
+    """A sky's upper half, ready to be looked up by rays."""
+
+    cells: NDArray[np.float32]
+    """(rows, columns, 3), radiance of equal steps of elevation and azimuth."""
+    panorama: NDArray
+    """(h, 2 h, 3), black below the horizon."""
+    turn: float
+    """[rad] about z from a direction in the world to that in the panorama."""
+
+    @classmethod
+    def of(cls, rgb: NDArray, turn: float = 0.0) -> Sky:
+        """A lat-long sky (h, 2 h, 3) without its sun, as the World shows it turned."""
+        panorama = np.array(rgb, np.float32)
+        height = len(panorama)
+        panorama[height // 2 :] = 0.0
+        rows = max(1, round(90.0 / CELL))
+        step = max(1, height // 2 // rows)
+        upper = panorama[: height // 2 // step * step]
+        weight = np.sin((np.arange(len(upper)) + 0.5) / height * np.pi)[:, None, None]
+        blocks = (len(upper) // step, step, -1, step if (2 * height) % step == 0 else 1, 3)
+        total = (upper * weight).reshape(blocks).sum(axis=(1, 3))
+        count = (weight.reshape(-1, step).sum(axis=1) * blocks[3])[:, None, None]
+        return cls((total / count).astype(np.float32), panorama, turn)
+
+    def radiance(self, ways: NDArray) -> NDArray[np.float32]:
+        """The sky's RGB along unit vectors (…, 3) in the world, 0 below the horizon."""
+        rows, columns = self.cells.shape[:2]
+        row = np.arccos(np.clip(ways[..., 2], 0.0, 1.0)) * (2.0 / np.pi * rows)
+        turns = (np.arctan2(ways[..., 1], ways[..., 0]) + self.turn) / (2.0 * np.pi)
+        column = ((0.5 - turns) % 1.0 * columns).astype(np.int32) % columns
+        found = self.cells[np.minimum(row.astype(np.int32), rows - 1), column]
+        found[ways[..., 2] <= 0.0] = 0.0
+        return found
+
+
+def exact(sky: Sky, normals: NDArray, bits: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """Return the irradiance / pi (n, 3) of a sky on points of which rays are known.
+
+    What an open face receives, exactly, times the part of it that the rays let pass: for a face
+    that nothing hides it is without error.
+    """
+    rays = 8 * bits.shape[1]
+    c, s = np.cos(sky.turn), np.sin(sky.turn)
+    turned = normals @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+    distinct, index = np.unique(np.round(turned, 3), axis=0, return_inverse=True)
+    result = exact_irradiance(sky.panorama, distinct)[index.reshape(-1)]
+    step = max(1, CHUNK // rays)
+    for start in range(0, len(normals), step):
+        part = slice(start, start + step)
+        light = sky.radiance(directions(normals[part], rays))
+        passing = np.unpackbits(bits[part], axis=1).astype(np.float32)
+        through = np.einsum("nr,nrc->nc", passing, light)
+        result[part] *= through / np.maximum(light.sum(axis=1), 1e-30)
+    return result
