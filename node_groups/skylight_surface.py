@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from dataclasses import astuple, dataclass
 from functools import partial
-from typing import Literal
+from typing import Any, Literal
 
 import bpy
 
@@ -150,8 +150,9 @@ def ensure(
             else:
                 _follow(node.inputs["Rotation"], axis, world, f"{rotation}[{axis}]")
     for name in old.keys() - parts.keys():
-        if old[name] is not None and old[name].users == 0:
-            bpy.data.node_groups.remove(old[name])
+        unused = old[name]
+        if unused is not None and unused.users == 0:
+            bpy.data.node_groups.remove(unused)
     return tree
 
 
@@ -211,9 +212,9 @@ def _build(
         some = add("ShaderNodeMath", free.outputs[0], 1e-3, operation="MAXIMUM")
         return add("ShaderNodeMath", share, some.outputs[0], operation="DIVIDE").outputs[0]
 
-    probe = light(PROBE).outputs if PROBE in parts else None
+    probe: Any = light(PROBE).outputs if PROBE in parts else None
     sky = light(SKY).outputs[0]
-    seen = light(VISIBILITY).outputs if VISIBILITY in parts else None
+    seen: Any = light(VISIBILITY).outputs if VISIBILITY in parts else None
     if seen:
         sky = choice(seen["Baked"], sky, seen["Irradiance"])
     both = []  # light that both engines know

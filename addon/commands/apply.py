@@ -17,15 +17,45 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--assign",
         action="append",
-        required=True,
+        default=[],
         type=_assignment,
         metavar="MATERIAL=FILE.csv[:COLUMN]",
-        help="may be given many times",
+        help="may be given many times; a texture of its base colour varies it",
+    )
+    parser.add_argument(
+        "--estimate",
+        action="append",
+        default=[],
+        metavar="MATERIAL",
+        help="restore a reflectance from the material's own base colour or texture",
     )
     add_matrix_options(parser)
     parser.add_argument("--space", help="checked against the file's working space")
     parser.add_argument(
         "--no-sun", action="store_true", help="leave the HDRI's sun off the materials"
+    )
+    parser.add_argument(
+        "--lamp",
+        action="append",
+        default=[],
+        type=_assignment,
+        metavar="LAMP=SPECTRUM",
+        help="a lamp's FILE.csv[:COLUMN], illuminant (A, FL11, LED-B3 ...) or temperature (2700K)",
+    )
+    parser.add_argument(
+        "--ground",
+        choices=("auto", "hdri", "modelled", "none"),
+        default="auto",
+        help="light from below: modelled where geometry lies under the materials (auto)",
+    )
+    parser.add_argument(
+        "--occlusion",
+        choices=("open", "dome", "baked"),
+        default="open",
+        help="shadows of the sky: none, live in Eevee, or baked",
+    )
+    parser.add_argument(
+        "--gloss", action="store_true", help="keep the gloss and metal of the materials"
     )
     parser.add_argument("--out", required=True, metavar="OUT.blend")
     parser.set_defaults(run=run)
@@ -34,16 +64,18 @@ def add(commands: Any) -> None:
 def _assignment(text: str) -> tuple[str, str]:
     material, equals, reflectance = text.partition("=")
     if not (material and equals and reflectance):
-        raise argparse.ArgumentTypeError(f"'{text}' is not MATERIAL=FILE.csv[:COLUMN]")
+        raise argparse.ArgumentTypeError(f"'{text}' is not NAME=VALUE")
     return material, reflectance
 
 
 def run(options: argparse.Namespace) -> None:
     """Write the blend file, and print what each material was given."""
-    from ..scene import files, sky_light, spectral, working_space
+    from ..scene import files, lamps, sky_light, spectral, textures, working_space
     from ..spectra.reflectance import read_assigned
     from ..transfer.white import AUTO
 
+    if not (options.assign or options.estimate):
+        raise InputError("--assign", "names no material", "give MATERIAL=FILE.csv or --estimate")
     reflectances = {}
     for material, text in options.assign:
         if material in reflectances:
@@ -56,6 +88,9 @@ def run(options: argparse.Namespace) -> None:
         sun_elevation=options.sun_elevation,
         tolerance=options.tolerance,
         sun=not options.no_sun,
+        ground=options.ground,
+        occlusion=options.occlusion,
+        gloss=options.gloss,
     )
     scene = files.open_scene(options.scene)
     if options.space not in (None, working_space.name()):
@@ -64,6 +99,8 @@ def run(options: argparse.Namespace) -> None:
             f"its working space is {working_space.name()}, not {options.space}",
             "leave --space out",
         )
+    for name, spectrum in options.lamp:
+        files.lamp(name).data[lamps.SPECTRUM] = spectrum
     if options.sky is not None:
         spectral.set_sky(scene, options.sky, settings)
     said = []
@@ -71,11 +108,16 @@ def run(options: argparse.Namespace) -> None:
         settings, line = spectral.with_estimated_white(scene.world, settings)
         said.append(line)
     targets = {files.material(name): given for name, given in reflectances.items()}
+    for name in options.estimate:
+        material = files.material(name)
+        if material in targets:
+            raise InputError(f"--estimate {name}", "has a reflectance already", "leave one out")
+        targets[material] = (textures.ESTIMATED, textures.estimated(material))
     world = spectral.develop(scene, settings)
     light, results = spectral.make_spectral(world, targets, settings)
     files.save(options.out)
     for result in results:
         print(result.line)
-    description = sky_light.description_of(world)
+    description = sky_light.description_of(world) or {}
     for line in (*said, *light.notes, *description["lights"], description["caption"]):
         print(line)

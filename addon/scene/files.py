@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import NoReturn
 
 import bpy
 
@@ -29,12 +30,21 @@ def open_scene(path: str | Path) -> bpy.types.Scene:
 def material(name: str) -> bpy.types.Material:
     """Return the file's own material of this name, else a linked one; InputError without."""
     found = bpy.data.materials.get((name, None)) or bpy.data.materials.get(name)
-    if found is None:
-        names = ", ".join(f"'{m.name}'" for m in bpy.data.materials[:12]) or "none at all"
-        raise InputError(
-            bpy.data.filepath or "the file", f"has no material '{name}'", f"there are {names}"
-        )
-    return found
+    return found or _absent("material", name, [m.name for m in bpy.data.materials])
+
+
+def lamp(name: str) -> bpy.types.Object:
+    """Return the lamp (object) of this name; InputError without."""
+    lamps = [obj for obj in bpy.data.objects if obj.type == "LIGHT"]
+    found = next((obj for obj in lamps if obj.name == name), None)
+    return found or _absent("lamp", name, [obj.name for obj in lamps])
+
+
+def _absent(kind: str, name: str, known: list[str]) -> NoReturn:
+    names = ", ".join(f"'{each}'" for each in known[:12]) or "none at all"
+    raise InputError(
+        bpy.data.filepath or "the file", f"has no {kind} '{name}'", f"there are {names}"
+    )
 
 
 def save(path: str | Path) -> None:

@@ -1,8 +1,7 @@
-"""The lights of a World beside its sky: which there are, and their lamps in the scene."""
+"""The lights of a World: what its sky, ground, sun and lamps give to materials, and their lamps."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import bpy
@@ -12,76 +11,193 @@ from numpy.typing import NDArray
 from ...node_groups import light_probe
 from ...node_groups.skylight_surface import Features
 from ..sky.direct_sun import SunLight, restored_sun
+from ..sky.dome import Dome, dome
+from ..sky.irradiance import fit_coefficients
 from ..sky.light import SkyLight
+from ..sky.polynomial import HIGHEST_DEGREE, evaluate_polynomial, raised
+from ..transfer.ground import GroundLight, ground_light, split
 from ..transfer.matrices import Transfer
 from ..transfer.prefilter import balanced_rgb, prefiltered
-from . import receivers, sky_light, sun_lamp
+from . import dome_lamps, receivers, sky_light, sun_lamp
+from . import lamps as own_lamps
+from .lamps import Lamps
+
+OPEN, BAKED, DOME = "open", "baked", "dome"
 
 
 @dataclass(frozen=True)
 class Lights:
     """What shines on a World's materials, found before anything changes.
 
-    ``spectra``: of each of `skylight_surface.LIGHTS` that there is, (81,).
+    ``coefficients``: of the sky's irradiance without the ground's; ``spectra``: those of the lights
+    in `skylight_surface.LIGHTS` that there are, (81,) each.
     """
 
     light: SkyLight
     transfer: Transfer
+    coefficients: NDArray[np.float64]
+    occlusion: str = OPEN
     sun: SunLight | None = None
+    ground: GroundLight | None = None
+    lamps: Lamps | None = None
+    dome: Dome | None = None
     spectra: dict[str, NDArray[np.float64]] = field(default_factory=dict)
 
     @property
     def features(self) -> Features:
         """What the World's shader has to hold."""
-        return Features(probe=self.sun is not None)
+        return Features(
+            self.occlusion,  # type: ignore[arg-type]
+            probe=self.sun is not None or self.lamps is not None or self.dome is not None,
+            ground=self.ground is not None,
+        )
 
     @property
     def lines(self) -> list[str]:
         """What is put beside the sky, a sentence each."""
-        return [] if self.sun is None else [self.sun.line]
+        lines = []
+        if self.sun is not None:
+            lines.append(self.sun.line)
+        if self.ground is not None:
+            lines.append(self.ground.line)
+        if self.lamps is not None and self.lamps.classes.line:
+            lines.append(f"Eevee keeps two spectra of lamps apart: {self.lamps.classes.line}")
+        if self.dome is not None:
+            lines.append(
+                f"shadows of the sky from {len(self.dome.numbers)} soft suns, in Eevee alone "
+                f"(two numbers of colour leave {100 * self.dome.left:.1f} %); Cycles sees all of it"
+            )
+        return lines
 
     @property
     def caption(self) -> str:
         """What a picture must say as long as not all light is in it."""
-        return (
-            self.light.caption
-            if self.sun is None
-            else "open sky and sun: the sky casts no shadows yet"
-        )
+        shadows = {
+            OPEN: "open sky: no shadows yet",
+            BAKED: "the sky's shadows are baked",
+            DOME: "the sky's shadows are live",
+        }[self.occlusion]
+        if self.light.sun is None:
+            return shadows
+        if self.sun is not None:
+            return shadows.replace("no shadows yet", "no shadows but the sun's yet")
+        share = f"{100 * self.light.sun_share:.0f} % of this sky's light"
+        return f"{shadows}; the sun ({share}) is not on your materials"
 
     def reflected(self, rho: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
-        """Return what reflectances (m, 81) make of each light, (m, 3)."""
-        space = self.transfer.space
-        return {name: prefiltered(rho, light, space) for name, light in self.spectra.items()}
+        """Return what reflectances (m, 81) make of each light, (m, 3).
+
+        Of a lamp with its colour, which lies nowhere else; its brightness is the probe's.
+        """
+        found = {
+            name: prefiltered(rho, spectrum, self.transfer.space)
+            for name, spectrum in self.spectra.items()
+        }
+        for name in ("Lamp 1", "Lamp 2"):
+            if name in found:
+                found[name] = found[name] * balanced_rgb(self.spectra[name], self.transfer)
+        if self.lamps is not None and self.sun is None:
+            # Cycles lights by one colour a material, see `sun_lamp.set_cycles_colour`.
+            found["Sun"] = prefiltered(rho, self.spectra["Lamp 1"], self.transfer.space)
+        return found
 
 
-def find(light: SkyLight, transfer: Transfer, with_sun: bool) -> Lights:
-    """Return the lights of a sky; ``with_sun``: its sun too, where the HDRI has one."""
-    if light.sun is None or not with_sun:
-        return Lights(light, transfer)
-    sun = restored_sun(light.sun, light, transfer.S_in, transfer.white)
-    return Lights(light, transfer, sun, {"Sun": sun.spectrum})
+def find(
+    light: SkyLight,
+    transfer: Transfer,
+    scene: bpy.types.Scene | None = None,
+    rho: NDArray[np.float64] | None = None,
+    *,
+    with_sun: bool = True,
+    ground: str = "hdri",
+    ground_reflectance: NDArray[np.float64] | float | None = None,
+    occlusion: str = OPEN,
+) -> Lights:
+    """Return the lights of a sky and of a scene, computed and checked.
+
+    ``rho`` (m, 81): the scene's materials, by which lamps are told apart; ``ground``: one of
+    `transfer.ground.CHOICES`; ``ground_reflectance``: that of a modelled one, else grey's;
+    ``occlusion``: `OPEN`, `BAKED` or `DOME`. Raises InputError for a lamp's spectrum that cannot
+    be read and for an unknown ground.
+    """
+    spectra = {}
+    sun = lamps = None
+    if light.sun is not None and with_sun:
+        sun = restored_sun(light.sun, light, transfer.S_in, transfer.white)
+        spectra["Sun"] = sun.spectrum
+    given = {} if ground_reflectance is None else {"reflectance": ground_reflectance}
+    below = ground_light(ground, light, transfer, sun, **given)
+    spectra["Ground"] = below.spectrum
+    if scene is not None and occlusion != DOME:
+        lamps = own_lamps.find(scene, transfer, np.empty((0, 81)) if rho is None else rho)
+    if lamps is not None:
+        for k, spectrum in enumerate(lamps.classes.spectra):
+            spectra[f"Lamp {k + 1}"] = spectrum
+    return Lights(
+        light,
+        transfer,
+        _sky_alone(light, transfer, below),
+        occlusion,
+        sun,
+        below,
+        lamps,
+        dome(light.sky) if occlusion == DOME else None,
+        spectra,
+    )
+
+
+def _sky_alone(light: SkyLight, transfer: Transfer, ground: GroundLight) -> NDArray[np.float64]:
+    """Return the sky's polynomial: that of all light less the ground's.
+
+    So their sum is as near as one polynomial comes, although the sky alone has a hard horizon.
+    """
+    white = prefiltered(np.ones(81), ground.spectrum, transfer.space)
+    from_ground = ground.coefficients * white @ np.linalg.inv(transfer.to_working).T
+    total = light.fit.coefficients
+    if ground.choice != "hdri":
+        upper, lower = split(np.ones_like(light.sky))
+        below = evaluate_polynomial(from_ground, [[0.0, 0.0, -1.0]])[0]
+        panorama = light.sky * upper + lower * below.astype(np.float32)
+        total = fit_coefficients(panorama, max(light.fit.degree, 4)).coefficients
+    return raised(total, HIGHEST_DEGREE) - raised(from_ground, HIGHEST_DEGREE)
 
 
 def install(world: bpy.types.World, lights: Lights) -> None:
     """Put lights into the World's group and its lamps into all scenes that it lights."""
     sky_light.ensure(world, lights.features)
-    sky_light.set_coefficients(world, lights.light.fit.coefficients)
-    if lights.sun is None:
-        remove(world)
-        return
-    rgb = balanced_rgb(lights.sun.spectrum, lights.transfer)
-    sky_light.set_probe(world, light_probe.SUN, rgb)
-    for scene in _scenes(world):
-        assert lights.light.sun is not None
-        direction, brightest = lights.light.sun.direction, float(lights.light.sky.max())
-        sun_lamp.place(scene, direction, rgb, brightest)
+    sky_light.set_coefficients(world, lights.coefficients)
+    if lights.ground is not None:
+        sky_light.set_ground(world, lights.ground.coefficients)
+    rgb = np.zeros(3)
+    if lights.sun is not None:
+        rgb = balanced_rgb(lights.sun.spectrum, lights.transfer)
+    if lights.features.probe:
+        sky_light.set_probe(world, light_probe.SUN, rgb)
+    if lights.dome is not None:
+        for name, colour in zip(
+            (light_probe.GREEN, light_probe.BLUE), lights.dome.colours, strict=True
+        ):
+            sky_light.set_probe(world, name, colour)
+    for scene in scenes_of(world):
+        if lights.sun is not None:
+            assert lights.light.sun is not None
+            sun_lamp.place(scene, lights.light.sun.direction, rgb, float(lights.light.sky.max()))
+        else:
+            sun_lamp.remove(scene, (sun_lamp.SUN,))
+        if lights.lamps is not None:
+            own_lamps.place(scene, lights.lamps, lights.transfer)
+        else:
+            sun_lamp.remove(scene, (own_lamps.TWIN,))
+        if lights.dome is not None:
+            dome_lamps.place(scene, lights.dome)
+        else:
+            sun_lamp.remove(scene, (dome_lamps.DOME,))
 
 
 def refresh(world: bpy.types.World) -> list[str]:
     """Let the lamps shine on all objects that now have managed materials; return warnings."""
     lines = []
-    for scene in _scenes(world):
+    for scene in scenes_of(world):
         if receivers.find(scene) is None:
             continue
         receivers.ensure(scene)
@@ -95,10 +211,12 @@ def refresh(world: bpy.types.World) -> list[str]:
 
 def remove(world: bpy.types.World) -> None:
     """Take our lamps out of all scenes of a World."""
-    for scene in _scenes(world):
-        sun_lamp.remove(scene)
+    parts = (sun_lamp.SUN, own_lamps.TWIN, dome_lamps.DOME, sun_lamp.TURN)
+    for scene in scenes_of(world):
+        sun_lamp.remove(scene, parts)
     sun_lamp.release_threshold(world)
 
 
-def _scenes(world: bpy.types.World) -> Iterable[bpy.types.Scene]:
+def scenes_of(world: bpy.types.World) -> list[bpy.types.Scene]:
+    """The scenes that a World lights."""
     return [scene for scene in bpy.data.scenes if scene.world == world]

@@ -17,7 +17,7 @@ import bpy
 from ...node_groups import skylight_surface, spectral_matrix, spectral_texture
 from ...node_groups import tree as groups
 from ..errors import InputError
-from . import lights, look, nodes, sky_light
+from . import lights, look, nodes, owned, sky_light
 from .look import OURS
 
 OUTPUT = "spectral_skylight_output"  # on an output: the number under which …
@@ -71,6 +71,7 @@ def apply(
     node.node_tree = group
     _set(node, matrix, reflected)
     _tell_engines_apart(material.node_tree, node)
+    owned.own(material)
     kept = material.get(nodes.MANAGED, {})
     material[nodes.MANAGED] = {
         "id": skylight_surface.KIND,
@@ -101,16 +102,12 @@ def update(
     _tell_engines_apart(material.node_tree, node)
 
 
-def colour_of(material: bpy.types.Material) -> tuple[tuple[float, ...], bool]:
-    """What a material shows as its base colour without us, RGB in the working space.
-
-    And whether a texture makes it: the value is then that of the input behind the texture.
-    """
+def look_of(material: bpy.types.Material) -> look.Look:
+    """What a material looks like without us; to be used at once, for it holds nodes."""
     outputs = _outputs(material.node_tree) if material.node_tree else []
     if not outputs:
-        return tuple(material.diffuse_color)[:3], False
-    found = look.read(_source_before(material.node_tree, outputs[0]))
-    return found.rgb, found.colour is not None
+        return look.Look(None, rgb=tuple(material.diffuse_color)[:3])
+    return look.read(_source_before(material.node_tree, outputs[0]))
 
 
 def set_texture(
@@ -151,6 +148,7 @@ def remove(material: bpy.types.Material) -> None:
         tree.nodes.remove(added)
     for source in [n for n in tree.nodes if SOURCE in n]:
         del source[SOURCE]
+    owned.give_back(material)
     if material[nodes.MANAGED].get("without_nodes"):
         material.use_nodes = False  # Blender 4.5; its tree is then the one that Blender makes
     del material[nodes.MANAGED]

@@ -1,8 +1,8 @@
-"""How much of the sky geometry hides from materials: is visibility worth modelling?"""
+"""What geometry is around materials: how much of the sky it hides, and what lies under them."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 
 import bpy
 import numpy as np
@@ -24,29 +24,69 @@ def hidden_share(scene: bpy.types.Scene, chosen: Collection[bpy.types.Material])
     None where no visible face has one of the materials.
     """
     depsgraph = bpy.context.evaluated_depsgraph_get()
+    rng = np.random.default_rng(0)
+    open_sky = seen = 0
+    for start, normal in _places(depsgraph, chosen, rng):
+        # Cosine-weighted about the normal (N. Malley): the normal plus an even direction.
+        even = rng.standard_normal((_RAYS, 3))
+        ways = normal + even / np.linalg.norm(even, axis=1, keepdims=True)
+        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-9)
+        for way in ways[ways[:, 2] > 0.0].tolist():
+            open_sky += 1
+            seen += not scene.ray_cast(depsgraph, start, way)[0]
+    return None if open_sky == 0 else 1.0 - seen / open_sky
+
+
+def ground_below(
+    scene: bpy.types.Scene, chosen: Collection[bpy.types.Material]
+) -> tuple[bool, bpy.types.Material | None]:
+    """Return whether geometry lies under the faces of some materials, and its usual material.
+
+    Of faces that see what is below them nine in ten have to have something straight under them.
+    """
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    below: list[bpy.types.Material | None] = []
+    looked = 0
+    for start, normal in _places(depsgraph, chosen, np.random.default_rng(0)):
+        if normal[2] > 0.7:
+            continue
+        looked += 1
+        hit, _, _, face, obj, _ = scene.ray_cast(depsgraph, start, (0.0, 0.0, -1.0))
+        if hit:
+            below.append(_material_at(obj, face))
+    if not looked or len(below) < 0.9 * looked:
+        return False, None
+    return True, max(set(below), key=below.count)
+
+
+def _material_at(obj: bpy.types.Object, face: int) -> bpy.types.Material | None:
+    if not obj.material_slots:
+        return None
+    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    polygons = shown.data.polygons if shown.type == "MESH" else ()
+    index = polygons[face].material_index if face < len(polygons) else 0
+    return obj.material_slots[min(index, len(obj.material_slots) - 1)].material
+
+
+def _places(
+    depsgraph: bpy.types.Depsgraph,
+    chosen: Collection[bpy.types.Material],
+    rng: np.random.Generator,
+) -> Iterator[tuple[list[float], NDArray[np.float64]]]:
+    """Yield a point just over a face and its normal (3,), for some places evenly over all."""
     triangles = _triangles(depsgraph, {material.name_full for material in chosen})
     vectors = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     areas = np.linalg.norm(vectors, axis=1)
     if not areas.sum() > 0.0:
-        return None
+        return
     places = np.searchsorted(np.cumsum(areas) / areas.sum(), (np.arange(_POINTS) + 0.5) / _POINTS)
     lift = _LIFT * np.ptp(triangles.reshape(-1, 3), axis=0).max()
-    rng = np.random.default_rng(0)
-    open_sky = seen = 0
     for place in np.minimum(places, len(areas) - 1):
         # Evenly over the triangle (R. Osada et al. 2002, DOI 10.1145/571647.571648).
         root, along = np.sqrt(rng.random()), rng.random()
         origin = np.array([1.0 - root, root * (1.0 - along), root * along]) @ triangles[place]
         normal = vectors[place] / areas[place]
-        # Cosine-weighted about the normal (N. Malley): the normal plus an even direction.
-        even = rng.standard_normal((_RAYS, 3))
-        ways = normal + even / np.linalg.norm(even, axis=1, keepdims=True)
-        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-9)
-        start = (origin + lift * normal).tolist()
-        for way in ways[ways[:, 2] > 0.0].tolist():
-            open_sky += 1
-            seen += not scene.ray_cast(depsgraph, start, way)[0]
-    return None if open_sky == 0 else 1.0 - seen / open_sky
+        yield (origin + lift * normal).tolist(), normal
 
 
 def _triangles(depsgraph: bpy.types.Depsgraph, names: set[str]) -> NDArray[np.float64]:

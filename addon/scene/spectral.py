@@ -31,7 +31,7 @@ from ..transfer.choice import (
 )
 from ..transfer.matrices import Transfer, transfer
 from ..transfer.white import AUTO, estimate_white, settle_white
-from . import lights, materials, openness, sky_light, working_space
+from . import lights, materials, openness, sky_light, textures, working_space
 from . import settings as world_settings
 from . import world as worlds
 
@@ -52,6 +52,13 @@ class Settings:
     tolerance: float | None = None
     sun: bool = True
     """Whether the HDRI's sun shines on materials, by a lamp."""
+    ground: str = AUTO
+    """The light from below: one of `transfer.ground.CHOICES`, or the modelled ground where geometry
+    lies under the materials, else the HDRI's."""
+    occlusion: str = lights.OPEN
+    """Shadows of the sky: `lights.OPEN` for none, `lights.DOME`, or `lights.BAKED`."""
+    gloss: bool = False
+    """Whether materials keep gloss and metal over their measured base."""
 
     def transfer(self, light: SkyLight | None = None, basis: str | None = None) -> Transfer:
         """Return the map from reflectances to matrices of the open file's working space.
@@ -165,25 +172,26 @@ def make_spectral(
     if settings.tolerance is not None and bpy.context.scene.world == world:
         hidden = openness.hidden_share(bpy.context.scene, list(reflectances))
         model += "" if hidden is None else f"; {visibility_line(hidden, settings.tolerance)}"
-    found = lights.find(light, choice.transfer, settings.sun)
+    found = _lights(world, light, choice.transfer, settings, reflectances)
     world_settings.store(world, _plain(settings))
     lights.install(world, found)
-    sky_light.describe(
-        world,
-        {
-            **light.report(),
-            "caption": found.caption,
-            "lights": found.lines,
-            "settings": _plain(settings),
-            "space": choice.transfer.space,
-            "image": worlds.sky_of(world).image.name,
-            "model": model,
-        },
-    )
+    description = {
+        **light.report(),
+        "caption": found.caption,
+        "settings": _plain(settings),
+        "space": choice.transfer.space,
+        "image": worlds.sky_of(world).image.name,
+        "model": model,
+    }
     prediction = choice.prediction
     assert prediction is not None
     results = []
     reflected = found.reflected(values)
+    textured = {
+        material: varied
+        for material, (name, rho) in reflectances.items()
+        if (varied := textures.varied(material, name, rho)) is not None
+    }
     for k, (material, (name, rho)) in enumerate(reflectances.items()):
         expected, bound = choice.error(k)
         result = Result(
@@ -205,15 +213,63 @@ def make_spectral(
             reflectance_hash=reflectance_hash(rho),
             extra={**_plain(result), "unknown": prediction.unknown, "values": rho.tolist()},
             reflected={name: rgb[k] for name, rgb in reflected.items()},
+            gloss=settings.gloss,
+            textured=material in textured,
         )
+        if material in textured:
+            materials.set_texture(material, textures.values(found, textured[material]))
         results.append(result)
     for material in set(materials.managed_materials(world)) - set(reflectances):
         managed = materials.managed(material)
         assert managed is not None
-        kept = found.reflected(np.array(managed.extra["values"]))
-        materials.update(material, managed.matrix, kept)
-    lights.refresh(world)
+        name, rho = _kept(material)
+        materials.update(material, managed.matrix, found.reflected(rho))
+        if (varied := textures.varied(material, name, rho)) is not None:
+            materials.set_texture(material, textures.values(found, varied))
+    warned = lights.refresh(world)
+    sky_light.describe(world, {**description, "lights": [*found.lines, *warned]})
     return light, results
+
+
+def _lights(
+    world: bpy.types.World,
+    light: SkyLight,
+    transfer: Transfer,
+    settings: Settings,
+    reflectances: Mapping[bpy.types.Material, tuple[str, NDArray[np.float64]]],
+) -> lights.Lights:
+    """Return the lights of a World, its ground chosen."""
+    scene = next(iter(lights.scenes_of(world)), None)
+    known = {m: rho for m, (_, rho) in reflectances.items()}
+    for material in materials.managed_materials(world):
+        if material not in known:
+            known[material] = _kept(material)[1]
+    ground, reflectance = settings.ground, None
+    if ground in (AUTO, "modelled") and scene is not None:
+        covered, below = openness.ground_below(scene, list(known))
+        reflectance = known.get(below) if below is not None else None
+        if ground == AUTO:
+            ground = "modelled" if covered else "hdri"
+    elif ground == AUTO:
+        ground = "hdri"
+    return lights.find(
+        light,
+        transfer,
+        scene,
+        np.array(list(known.values())).reshape(-1, 81),
+        with_sun=settings.sun,
+        ground=ground,
+        ground_reflectance=reflectance,
+        occlusion=settings.occlusion,
+    )
+
+
+def _kept(material: bpy.types.Material) -> tuple[str, NDArray[np.float64]]:
+    """Return the reflectance that a managed material was given; InputError for another."""
+    managed = materials.managed(material)
+    if managed is None:
+        raise InputError(f'material "{material.name}"', "has no reflectance yet", "apply one first")
+    return managed.reflectance_name, np.array(managed.extra["values"])
 
 
 def with_estimated_white(world: bpy.types.World | None, settings: Settings) -> tuple[Settings, str]:
@@ -241,15 +297,8 @@ def update(
 
     Their reflectances come from the blend file itself. Raises as `make_spectral` does.
     """
-    kept = {}
-    for material in materials.managed_materials(world) if chosen is None else chosen:
-        managed = materials.managed(material)
-        if managed is None:
-            raise InputError(
-                f'material "{material.name}"', "has no reflectance yet", "apply one first"
-            )
-        kept[material] = (managed.reflectance_name, np.array(managed.extra["values"]))
-    return make_spectral(world, kept, settings)
+    chosen = materials.managed_materials(world) if chosen is None else chosen
+    return make_spectral(world, {material: _kept(material) for material in chosen}, settings)
 
 
 _NONE: NDArray[np.float64] = np.empty((0, 81))

@@ -46,22 +46,30 @@ def place(
     lamp = find(scene, SUN)
     if lamp is None:
         lamp = new_lamp(scene, "Skylight Sun", "SUN", SUN, 0)
-        lamp.parent = bpy.data.objects.new("Skylight Sun Turn", None)
-        lamp.parent[KEY] = TURN
-        lamp.parent.hide_select = True
-        collection(scene).objects.link(lamp.parent)
+    lamp.parent = pivot(scene)
     lamp.data.angle = _DIAMETER
     lamp.data.energy = light_probe.STRENGTH
     lamp.rotation_euler = (-Vector(direction)).to_track_quat("-Z", "Y").to_euler()
     set_cycles_colour(lamp, math.pi * np.asarray(rgb), 0)
     _follow_strength(lamp.data, world, worlds.value_path(world, sky.background, "Strength"))
-    _turn_with(lamp.parent, world, sky)
     _own_threshold(world, brightest_sky)
 
 
 def find(scene: bpy.types.Scene, part: str) -> bpy.types.Object | None:
     """The one object of ours that plays a part in a scene, None without."""
     return next((obj for obj in scene.objects if obj.get(KEY) == part), None)
+
+
+def pivot(scene: bpy.types.Scene) -> bpy.types.Object:
+    """What turns a scene's lamps with its World's HDRI, made if need be, up to date."""
+    turn = find(scene, TURN)
+    if turn is None:
+        turn = bpy.data.objects.new("Skylight Turn", None)
+        turn[KEY] = TURN
+        turn.hide_select = True
+        collection(scene).objects.link(turn)
+    _turn_with(turn, scene.world, worlds.sky_of(scene.world))
+    return turn
 
 
 def collection(scene: bpy.types.Scene) -> bpy.types.Collection:
@@ -76,15 +84,20 @@ def collection(scene: bpy.types.Scene) -> bpy.types.Collection:
 
 
 def new_lamp(
-    scene: bpy.types.Scene, name: str, kind: str, part: str, channel: int
+    scene: bpy.types.Scene, name: str, like: str | bpy.types.Light, part: str, channel: int
 ) -> bpy.types.Object:
     """A lamp of the light probe: its channel's colour, on receivers only, without highlights.
 
-    ``kind``: Blender's type of lamp; ``part``: the part that it plays, by which it is found.
+    ``like``: Blender's type of lamp, or a lamp of that form; ``part``: the part that it plays, by
+    which it is found.
     """
-    light = bpy.data.lights.new(name, kind)
+    light = bpy.data.lights.new(name, like) if isinstance(like, str) else like.copy()
+    light.name = name
+    if light.animation_data is not None:
+        light.animation_data_clear()
     light.color = [1.0 if k == channel else FAINT for k in range(3)]
-    light.specular_factor = light.volume_factor = 0.0
+    light.specular_factor = light.transmission_factor = light.volume_factor = 0.0
+    light.exposure = 0.0
     lamp = bpy.data.objects.new(name, light)
     lamp[KEY] = part
     lamp.light_linking.receiver_collection = receivers.ensure(scene)
@@ -114,7 +127,7 @@ def set_cycles_colour(lamp: bpy.types.Object, rgb: NDArray[np.float64], channel:
     emission.inputs["Color"].default_value = (*true, 1.0)
 
 
-def remove(scene: bpy.types.Scene, parts: Container[str] = (SUN, TURN)) -> None:
+def remove(scene: bpy.types.Scene, parts: Container[str]) -> None:
     """Take our objects of these parts out of a scene; without a sun its World has its settings."""
     gone = [obj for obj in scene.objects if obj.get(KEY) in parts]
     lights = [obj.data for obj in gone if obj.data is not None]
@@ -124,8 +137,8 @@ def remove(scene: bpy.types.Scene, parts: Container[str] = (SUN, TURN)) -> None:
     for child in list(scene.collection.children):
         if child.get(KEY) and not child.objects:
             bpy.data.collections.remove(child)
-            if linked is not None:
-                bpy.data.collections.remove(linked)
+    if linked is not None and receivers.find(scene) is None:
+        bpy.data.collections.remove(linked)
     if SUN in parts:
         release_threshold(scene.world)
 

@@ -37,6 +37,15 @@ def monomials(normals: ArrayLike, degree: int) -> NDArray[np.float64]:
     return powers[:, 0, a] * powers[:, 1, b] * powers[:, 2, np.minimum(c, degree)]
 
 
+def raised(coefficients: ArrayLike, degree: int) -> NDArray[np.float64]:
+    """Return the same polynomial with room for a degree that is as high or higher, 0 beyond."""
+    coefficients = np.asarray(coefficients, dtype=float)
+    own = exponents(round(len(coefficients) ** 0.5) - 1)
+    result = np.zeros(((degree + 1) ** 2, *coefficients.shape[1:]))
+    result[[exponents(degree).index(each) for each in own]] = coefficients
+    return result
+
+
 def evaluate_polynomial(coefficients: ArrayLike, normals: ArrayLike) -> NDArray[np.float64]:
     """Return the polynomial's value at unit normals, (m, 3).
 

@@ -1,0 +1,110 @@
+"""The user's own lamps: a twin of each shines in the light probe, by the class of its spectrum.
+
+A twin is strong and of one of the probe's colours; its place, energy and visibility follow the
+user's lamp, which stays as it is for all that is not managed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...node_groups import light_probe
+from ..sky.panorama import LUMINANCE
+from ..spectra.working_spaces import rec709_to_working
+from ..transfer.lamps import Classes, classes, lamp_spectrum
+from ..transfer.matrices import Transfer
+from . import sun_lamp
+
+SPECTRUM = "spectral_skylight_spectrum"
+"""On a lamp's data: what `transfer.lamps.lamp_spectrum` understands; without it, its colour."""
+
+TWIN = "twin"
+OF = "spectral_skylight_twin_of"  # on a twin: the name of the user's lamp
+
+
+@dataclass(frozen=True)
+class Lamps:
+    """The lamps of a scene: their ``names``, ``colours`` (k, 3) with which their energy counts, and
+    the ``classes`` of their spectra."""
+
+    names: tuple[str, ...]
+    colours: NDArray[np.float64]
+    classes: Classes
+
+
+def find(scene: bpy.types.Scene, transfer: Transfer, rho: NDArray[np.float64]) -> Lamps | None:
+    """Return the lamps that shine on a scene's renders, None without.
+
+    ``rho`` (m, 81): the materials by which spectra are told apart. Raises InputError for a
+    spectrum that cannot be read, with the lamp's name.
+    """
+    shown = [
+        obj
+        for obj in scene.objects
+        if obj.type == "LIGHT" and sun_lamp.KEY not in obj and not obj.hide_render
+        if obj.data.energy > 0.0
+    ]
+    if not shown:
+        return None
+    colours = np.array([_colour(obj.data) for obj in shown])
+    spectra = []
+    for obj, colour in zip(shown, colours, strict=True):
+        given = obj.data.get(SPECTRUM)
+        spectra.append(lamp_spectrum(given or colour * transfer.neutral, transfer.space))
+    strengths = [
+        obj.data.energy * y for obj, y in zip(shown, _luminance(colours, transfer), strict=True)
+    ]
+    names = tuple(obj.name for obj in shown)
+    reference = rho if len(rho) else np.full((1, 81), 0.5)
+    return Lamps(names, colours, classes(np.array(spectra), strengths, reference, names=names))
+
+
+def place(scene: bpy.types.Scene, lamps: Lamps, transfer: Transfer) -> None:
+    """Give each lamp its twin, up to date; twins of lamps that are gone leave."""
+    sun_lamp.remove(scene, (TWIN,))
+    brightness = _luminance(lamps.colours, transfer)
+    for name, kind, colour, Y in zip(
+        lamps.names, lamps.classes.assignment.tolist(), lamps.colours, brightness, strict=True
+    ):
+        lamp = scene.objects[name]
+        channel = 1 + kind
+        twin = sun_lamp.new_lamp(scene, f"Skylight {name}", lamp.data, TWIN, channel)
+        twin[OF] = name
+        if hasattr(twin.data, "use_temperature"):
+            twin.data.use_temperature = False
+        follow = twin.constraints.new("COPY_TRANSFORMS")
+        follow.target = lamp
+        _follow(twin.data, "energy", lamp.data, "energy", light_probe.STRENGTH * Y)
+        for path in ("hide_render", "hide_viewport"):
+            _follow(twin, path, lamp, path, 1.0)
+        sun_lamp.set_cycles_colour(twin, colour / Y, channel)
+
+
+def _follow(owner, path: str, source: bpy.types.ID, source_path: str, factor: float) -> None:
+    curve = owner.driver_add(path)
+    curve.driver.type = "AVERAGE"  # of one value: no expression that Blender might refuse to run
+    target = curve.driver.variables.new().targets[0]
+    target.id_type = source.id_type
+    target.id = source
+    target.data_path = source_path
+    for modifier in list(curve.modifiers):
+        curve.modifiers.remove(modifier)
+    scaled = curve.modifiers.new("GENERATOR")
+    scaled.poly_order = 1
+    scaled.coefficients = (0.0, factor)
+
+
+def _colour(light: bpy.types.Light) -> NDArray[np.float64]:
+    """With what colour a lamp's energy counts, its temperature's too."""
+    colour = np.array(light.color, dtype=float)
+    if getattr(light, "use_temperature", False):
+        colour = colour * np.array(light.temperature_color, dtype=float)
+    return np.maximum(colour, 1e-6) * 2.0 ** getattr(light, "exposure", 0.0)
+
+
+def _luminance(colours: NDArray[np.float64], transfer: Transfer) -> NDArray[np.float64]:
+    return colours @ np.linalg.inv(rec709_to_working(transfer.space)).T @ LUMINANCE
