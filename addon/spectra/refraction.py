@@ -1,0 +1,112 @@
+"""Complex refractive indices n + ik of matter, read from the files that people publish."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from .grid import WAVELENGTHS, resample
+from .table import NEEDED
+
+LARGEST_GAP = 100.0
+"""[nm] between neighbouring samples of visible light: tables by photon energy are that coarse."""
+
+_LARGEST_FILE = 1 << 24
+"""Bytes."""
+
+
+def read_nk(path: str | Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Read n and k of one matter, each (81,).
+
+    Columns wavelength, n and k, separated by comma, semicolon, tab or spaces, with a decimal comma
+    where semicolons or tabs separate; or two tables below one another, wavelength and n, wavelength
+    and k: so does refractiveindex.info write CSV, text, and its database's own records. The unit is
+    nm, or µm where more samples are visible light then. Without k it is 0: a clear dielectric.
+    Between samples both are monotone cubics; outside them the end values are held.
+
+    Raises
+    ------
+    InputError
+        A file that cannot be read, is larger than 16 MiB, or holds no such table; values that are
+        not finite, an n not over 0, a k under 0; a wavelength that stands there twice; samples that
+        do not cover 400-700 nm or have a gap of over 100 nm there; a record with a formula for n.
+    """
+    path = Path(path)
+    try:
+        if path.stat().st_size > _LARGEST_FILE:
+            raise InputError(path, "is larger than 16 MiB", "give a table of n and k")
+        text = path.read_bytes().decode("utf-8-sig", errors="replace")
+    except OSError as error:
+        raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from error
+    if re.search(r"type:\s*formula", text):
+        raise InputError(path, "gives n as a formula", "take the CSV file of the same page")
+    first, *further = _tables(text)
+    n = _on_grid(path, "n", first, 1)
+    if first.shape[1] > 2:
+        return n, _on_grid(path, "k", first, 2)
+    return n, _on_grid(path, "k", further[0], 1) if further else np.zeros_like(n)
+
+
+def _tables(text: str) -> list[NDArray[np.float64]]:
+    """Return the tables of numbers in a text, (rows, columns) each; an empty one if there are none.
+
+    A line that is not all numbers, or that has another count of them, ends a table.
+    """
+    tables: list[list[list[float]]] = [[]]
+    for line in text.splitlines():
+        numbers = _numbers(line)
+        if tables[-1] and len(numbers) != len(tables[-1][0]):
+            tables.append([])
+        if len(numbers) >= 2:
+            tables[-1].append(numbers)
+    return [np.array(table) for table in tables if table] or [np.zeros((0, 2))]
+
+
+def _numbers(line: str) -> list[float]:
+    """Return the numbers of a line, none where anything else stands in it."""
+    if re.search(r"[;\t]", line):
+        cells = re.split(r"[;\t]", line.replace(",", "."))
+    else:
+        cells = re.split(r"\s*,\s*|\s+", line.strip())
+    try:
+        return [float(cell) for cell in cells if cell.strip()]
+    except ValueError:
+        return []
+
+
+def _on_grid(path: Path, name: str, table: NDArray, column: int) -> NDArray[np.float64]:
+    wavelengths, values = table[:, 0], table[:, column]
+    if wavelengths.size < 2:
+        raise InputError(path, "holds no table of n and k", "give the columns wavelength, n, k")
+    if not np.isfinite(table).all() or wavelengths.min() <= 0:
+        raise InputError(path, "holds numbers that are none", "mend or remove the row")
+    low, high = NEEDED
+    in_nm, in_um = (
+        np.count_nonzero((wavelengths >= low / size) & (wavelengths <= high / size))
+        for size in (1.0, 1000.0)
+    )
+    wavelengths = wavelengths * (1000.0 if in_um > in_nm else 1.0)
+    order = np.argsort(wavelengths)
+    wavelengths, values = wavelengths[order], values[order]
+    # What the grid cannot see, all but the nearest on either side, may be as it likes.
+    start = max(np.searchsorted(wavelengths, WAVELENGTHS[0], side="right") - 1, 0)
+    seen = slice(start, np.searchsorted(wavelengths, WAVELENGTHS[-1]) + 1)
+    wavelengths, values = wavelengths[seen], values[seen]
+    if wavelengths.size < 2 or wavelengths[0] > low or wavelengths[-1] < high:
+        raise InputError(path, f"does not cover {low:g}-{high:g} nm", "take another measurement")
+    twice = np.flatnonzero(np.diff(wavelengths) == 0)
+    if twice.size:
+        where = f"{wavelengths[twice[0]]:g} nm"
+        raise InputError(path, f"{where} stands there twice", "remove one of the rows")
+    if values.min() < 0 or (name == "n" and values.min() <= 0):
+        raise InputError(path, f"{name} is {values.min():g}", "mend it: n is over 0, k at least 0")
+    gap = (np.diff(wavelengths) * (wavelengths[1:] > low) * (wavelengths[:-1] < high)).max()
+    if gap > LARGEST_GAP:
+        raise InputError(
+            path, f"a gap of {gap:.0f} nm", f"give a value every {LARGEST_GAP:g} nm at least"
+        )
+    return resample(wavelengths, values)

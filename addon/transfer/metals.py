@@ -1,0 +1,60 @@
+"""Smooth metals: what they mirror at every angle, from n and k, and as colours for a shader."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..spectra.working_spaces import DEFAULT_SPACE
+from .prefilter import prefiltered
+
+EDGE = 1.0 / 7.0
+"""Cosine of the angle, 82°, at which Schlick's curve is furthest from a metal's."""
+
+
+def conductor(n: ArrayLike, k: ArrayLike, cosine: ArrayLike = 1.0) -> NDArray[np.float64]:
+    """Return what smooth matter in air mirrors of unpolarised light, (..., 81), from 0 to 1.
+
+    Fresnel's equations for the index n + ik, (81,) each, and the cosine (...) of the angle to
+    the normal, 0 to 1. With k = 0 it is a dielectric's first surface. M. Born and E. Wolf,
+    "Principles of Optics" (DOI 10.1017/CBO9781139644181), section 14.2.
+    """
+    cosine = np.asarray(cosine, dtype=float)[..., None]
+    index = np.asarray(n, dtype=float) + 1j * np.asarray(k, dtype=float)
+    inside = np.sqrt(index**2 - (1.0 - cosine**2))
+    s = (cosine - inside) / (cosine + inside)
+    p = (index**2 * cosine - inside) / (index**2 * cosine + inside)
+    return 0.5 * (np.abs(s) ** 2 + np.abs(p) ** 2)
+
+
+def schlick_82(F0: ArrayLike, tint: ArrayLike, cosine: ArrayLike) -> NDArray[np.float64]:
+    """Return the curve that shaders draw between F0 and an edge tint, (..., c), for colours (c,).
+
+    Schlick's, less what makes it ``tint`` times its own value at 82°: Blender's F82 Tint.
+    C. Kutz, M. Hašan and J. Edmondson 2021, "Novel aspects of the Adobe Standard Material", after
+    N. Hoffman. Linear in F0, and in the product of tint and its value at 82°.
+    """
+    cosine = np.asarray(cosine, dtype=float)[..., None]
+    F0 = np.asarray(F0, dtype=float)
+    plain = F0 + (1.0 - F0) * (1.0 - cosine) ** 5
+    at_edge = (F0 + (1.0 - F0) * (1.0 - EDGE) ** 5) * (1.0 - np.asarray(tint, dtype=float))
+    return plain - at_edge * cosine * (1.0 - cosine) ** 6 / (EDGE * (1.0 - EDGE) ** 6)
+
+
+def edge_tint(n: ArrayLike, k: ArrayLike) -> NDArray[np.float64]:
+    """Return the tint of `schlick_82` by wavelength, (81,): Fresnel over Schlick at 82°."""
+    F0 = conductor(n, k)
+    return conductor(n, k, EDGE) / (F0 + (1.0 - F0) * (1.0 - EDGE) ** 5)
+
+
+def tints(
+    n: ArrayLike, k: ArrayLike, spectrum: ArrayLike, space: str = DEFAULT_SPACE
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return a metal's F0 (3,) and edge tint (3,) under a light (81,), RGB in ``space``.
+
+    For Blender's Metallic and Principled shaders: colours over that of the light, so that a metal
+    mirrors this very light rightly at 0° and at 82°. Blender cuts them off at 0 and 1; some metals
+    leave Rec.709 a little. Raises `InputError` for an unknown ``space``.
+    """
+    F0, at_edge = prefiltered(np.stack([conductor(n, k), conductor(n, k, EDGE)]), spectrum, space)
+    return F0, at_edge / (F0 + (1.0 - F0) * (1.0 - EDGE) ** 5)
