@@ -8,7 +8,7 @@ from bands import S
 from mathutils import Vector
 from referee import Verdict
 from reference import irradiance, pixel_means
-from scipy.ndimage import binary_erosion, maximum_filter, uniform_filter
+from scipy.ndimage import binary_erosion, maximum_filter, minimum_filter, uniform_filter
 from stage import Stage
 
 from spectral_skylight.addon.transfer.measures import delta_E
@@ -19,15 +19,20 @@ WINDOW = 5
 """Pixels: both pictures are means over this square of one and the same face before they are
 compared. The referee's noise falls to a fifth; light that changes slowly stays what it is."""
 
-SHADOW_EDGE = 0.15
-"""Of the brightest of 3 x 3 pixels: where the sun and lamps change by more, a shadow's edge is."""
-
 HOW = (
     "CIEDE2000 on every pixel that shows one face and lies a pixel from its edge and two from a "
     f"shadow's edge; both pictures averaged over {WINDOW} x {WINDOW} pixels of that face; white: "
     "the perfect diffuser in that place (for metals facing up in the open). "
     "colour: the same with our luminance set to the referee's"
 )
+
+
+@dataclass(frozen=True)
+class Rays:
+    """What 4 x 4 rays a pixel meet: ``face`` (4h, 4w), -1 for the sky; ``lit`` (lamps, 4h, 4w)."""
+
+    face: np.ndarray
+    lit: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -41,29 +46,24 @@ class Pixels:
     """Share of the surfaces' pixels that are not judged."""
 
 
-def pixels(faces: np.ndarray, stage: Stage, verdict: Verdict) -> Pixels:
-    """Choose what is compared, from `faces_seen` in every ray."""
-    centre = faces[2::4, 2::4]
-    whole = pixel_means(faces == np.repeat(np.repeat(centre, 4, 0), 4, 1)) == 1
-    surface = centre >= 0
-    inside = np.zeros(surface.shape, bool)
-    for face in np.unique(centre[surface]):
-        inside |= binary_erosion((centre == face) & whole)
-    cast, light = verdict.lamps @ LUMINANCE, verdict.spectral @ LUMINANCE
-    swing = _most(cast, inside) + _most(-cast, inside)
-    judged = inside & binary_erosion(~inside | (swing < SHADOW_EDGE * _most(light, inside)))
+def pixels(rays: Rays, stage: Stage, verdict: Verdict) -> Pixels:
+    """Choose what is compared."""
+    face = rays.face[2::4, 2::4]
+    whole = pixel_means(rays.face == np.repeat(np.repeat(face, 4, 0), 4, 1)) == 1
+    inside = np.zeros(face.shape, bool)
+    for each in np.unique(face[face >= 0]):
+        inside |= binary_erosion((face == each) & whole)
+    judged = inside.copy()
+    for lit in rays.lit:
+        share = pixel_means(lit)
+        # A pixel around the edge for its penumbra, and one for the pixels' filter.
+        judged &= (minimum_filter(share, 5) == 1) | (maximum_filter(share, 5) == 0) | ~inside
     up = irradiance(stage.sky, np.array([[0.0, 0.0, 1.0]]))[0]
     if stage.sun is not None:
         up = up + stage.sun.spectrum * max(stage.sun.direction[2], 0.0) / np.pi
     matt = verdict.white @ LUMINANCE > 0
     white = np.where(matt[..., None], verdict.white, S @ up)
-    left_out = 1.0 - judged.sum() / max(surface.sum(), 1)
-    return Pixels(centre, judged, white, float(left_out))
-
-
-def _most(values: np.ndarray, where: np.ndarray) -> np.ndarray:
-    """Return the largest of the 3 x 3 values around each pixel that lie somewhere."""
-    return maximum_filter(np.where(where, values, -np.inf), 3)
+    return Pixels(face, judged, white, 1.0 - judged.sum() / max((face >= 0).sum(), 1))
 
 
 def smoothed(picture: np.ndarray, where: Pixels) -> np.ndarray:
@@ -111,8 +111,8 @@ def errors(picture: np.ndarray, verdict: Verdict, where: Pixels) -> dict[str, di
     }
 
 
-def faces_seen(scene, stage: Stage) -> np.ndarray:
-    """Return for 4 x 4 rays a pixel which face of the open scene they meet, -1 for the sky.
+def cast(stage: Stage) -> Rays:
+    """Look at the open scene along every ray, and from there to the sun and the lamps.
 
     A ball is one face. A ray goes on behind panes, and what it meets there counts apart.
     """
@@ -123,19 +123,32 @@ def faces_seen(scene, stage: Stage) -> np.ndarray:
     }
     balls = {name for name, thing in stage.things.items() if thing.ball}
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    origins, directions = stage.camera.rays(4)
-    known: dict[tuple, int] = {}
-    faces = np.full(origins.shape[:2], -1)
-    for at in np.ndindex(faces.shape):
-        origin, direction = Vector(origins[at]), Vector(directions[at])
+
+    def first(origin: Vector, direction: Vector, far: float = 1e6):
         behind = 0
         while True:
-            hit, place, _, index, thing, _ = scene.ray_cast(depsgraph, origin, direction)
-            if not hit or thing.name not in panes:
-                break
+            found = bpy.context.scene.ray_cast(depsgraph, origin, direction, distance=far)
+            if not found[0] or found[4].name not in panes:
+                return *found, behind
             behind += 1
-            origin = place + direction * 1e-4
-        if hit:
-            face = 0 if thing.name in balls else index
-            faces[at] = known.setdefault((thing.name, face, behind), len(known))
-    return faces
+            origin = found[1] + direction * 1e-4
+
+    suns = [Vector(stage.sun.direction) * 1e4] if stage.sun is not None else []
+    lights = [*suns, *(Vector(lamp.location) for lamp in stage.lamps.values())]
+    origins, directions = stage.camera.rays(4)
+    known: dict[tuple, int] = {}
+    face = np.full(origins.shape[:2], -1)
+    lit = np.zeros((len(lights), *face.shape), bool)
+    for at in np.ndindex(face.shape):
+        hit, place, normal, index, thing, _, behind = first(
+            Vector(origins[at]), Vector(directions[at])
+        )
+        if not hit:
+            continue
+        key = thing.name, 0 if thing.name in balls else index, behind
+        face[at] = known.setdefault(key, len(known))
+        place = place + normal * 1e-4
+        for k, light in enumerate(lights):
+            way = light - place
+            lit[k][at] = not first(place, way.normalized(), way.length)[0]
+    return Rays(face, lit)

@@ -57,7 +57,7 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
         with timed(seconds, "scene"):
             stage = example.build(light(example, out, size))
             stages.build(stage, referee.Today(), str(out / "sky.exr"))
-            faces = judging.faces_seen(bpy.context.scene, stage)
+            rays = judging.cast(stage)
             save_scene(out / "scene.blend")
         with timed(seconds, "referee"):
             verdict = referee.judge(stage, samples)
@@ -68,7 +68,7 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
         "spectral": pictures.read(out / "spectral.exr"),
         "reference": verdict.spectral,
     }
-    where = judging.pixels(faces, stage, verdict)
+    where = judging.pixels(rays, stage, verdict)
     report = {
         "scene": name,
         "shows": example.shows,
@@ -92,6 +92,8 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
 def light(example: Example, out: Path, size: tuple[int, int]) -> Light:
     """Make an example's sky: the HDRI that an architect has, and its spectra for the referee."""
     sun = "--sun-elevation", example.elevation, "--sun-azimuth", example.azimuth
+    write_csv(out / "ground.csv", {"ground": lit_scenes.reflectance(example.ground)})
+    sun += "--ground", out / "ground.csv"
     disc = ["--sun-disc"] if example.sunlit else []
     command("sky", *sun, *disc, "--width", 1024, "--out", out / "sky.exr")
     spectra = []

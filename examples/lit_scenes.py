@@ -38,7 +38,7 @@ class Example:
     """One scene, and the sky over it.
 
     ``azimuth`` of the sun from north; ``shows``: one sentence for the report; ``sunlit``: whether
-    the HDRI holds the sun's disc.
+    the HDRI holds the sun's disc; ``ground``: what its lower half reflects, by `CHECKER`'s name.
     """
 
     shows: str
@@ -46,6 +46,7 @@ class Example:
     azimuth: float
     build: Callable[[Light], Stage]
     sunlit: bool = False
+    ground: str = "neutral 5 (.70 D)"
 
 
 def paint(name: str) -> Matter:
@@ -84,7 +85,7 @@ def sun(light: Light) -> Stage:
     """A tower's shadow on a house with painted panels."""
     panels = {"blue": -1, "green": 0, "bluish green": 1, "purple": 2}
     things = {
-        "ground": Thing("neutral 6.5 (.44 D)", level(-40, -40, 40, 40)),
+        "ground": Thing("neutral 5 (.70 D)", level(-40, -40, 40, 40)),
         "tower": Thing("moderate red", box(-3.6, -2.2, 0, -2.0, -0.6, 4.2)),
         "house": Thing("orange yellow", box(-1.6, -0.6, 0, 3.6, 2, 2.6)),
     }
@@ -96,6 +97,7 @@ def sun(light: Light) -> Stage:
         light.sky,
         camera(light, (4.5, -10.5, 3.4), (0, 0, 1.2), 0.95),
         sun=light.sun,
+        bounces=1,
     )
 
 
@@ -150,19 +152,19 @@ def dusk(light: Light) -> Stage:
         energy = share * light.luminance() / (bands.S @ shine @ [0.2126, 0.7152, 0.0722])
         lamps[name] = Lamp(at, shine, 4 * np.pi**2 * energy, 0.08)
     view = camera(light, (-0.6, -8.5, 2.2), (0, 0, 1.45), 0.9)
-    return Stage(things, _paints(things), light.sky, view, lamps=lamps)
+    return Stage(things, _paints(things), light.sky, view, lamps=lamps, bounces=1)
 
 
 def texture(light: Light) -> Stage:
-    """Two panels in the shade: a mosaic of 24 paints, and one brick that varies."""
+    """Two pavements in the shade: a mosaic of 24 paints, and one brick that varies."""
     names = [name for name in CHECKER if name in colour.SDS_COLOURCHECKERS["PMC"]][:24]
     mosaic = np.stack([reflectance(name) for name in names]).reshape(4, 6, 81)
     things = {
-        "mosaic": Thing("mosaic", upright(-3.05, -0.05, 0, 3, 0)),
-        "brick": Thing("brick", upright(0.05, 3.05, 0, 3, 0)),
+        "mosaic": Thing("mosaic", level(-3.05, 0, -0.05, 3)),
+        "brick": Thing("brick", level(0.05, 0, 3.05, 3)),
     }
     matter = {"mosaic": Matter(mosaic), "brick": Matter(bricks())}
-    view = camera(light, (0, -9, 1.5), (0, 0, 1.5), 6.4, orthographic=True)
+    view = camera(light, (0, 1.4, 9), (0, 1.5, 0), 6.4, orthographic=True)
     return Stage(things, matter, light.sky, view)
 
 
@@ -171,7 +173,7 @@ BRICK = "moderate red"
 
 
 def bricks() -> np.ndarray:
-    """Return a wall (12, 8, 81) of bricks that hold more and less of the pigment of `BRICK`.
+    """Return a pavement (12, 8, 81) of bricks that hold more and less of the pigment of `BRICK`.
 
     More pigment is a power of the reflectance (as the Beer-Lambert law has it), so its spectrum is
     not a multiple of the measured one.
@@ -204,7 +206,7 @@ def glass(light: Light) -> Stage:
     """A room behind a green pane, which tints the light that comes in, and again what one sees."""
     w, d, h = 2.0, 2.6, 2.6
     things = {
-        "ground": Thing("neutral 6.5 (.44 D)", level(-30, -30, 30, 0, -0.02)),
+        "ground": Thing("neutral 5 (.70 D)", level(-30, -30, 30, 0, -0.02)),
         "floor": Thing("light skin", level(-w, 0, w, d)),
         "ceiling": Thing("white 9.5 (.05 D)", _down(-w, 0, w, d, h)),
         "left": Thing("orange yellow", [[(-w, 0, 0), (-w, d, 0), (-w, d, h), (-w, 0, h)]]),
@@ -287,7 +289,7 @@ SCENES = {
         "Red wall, green lawn: light that has bounced once", 50.0, 170.0, bounce, True
     ),
     "dusk": Example("After sunset, with a warm LED and a sodium lamp", -2.0, 300.0, dusk),
-    "texture": Example("Textures: many paints, and one measured brick", 35.0, 0.0, texture),
+    "texture": Example("Textures: many paints, and one measured brick", 35.0, 180.0, texture),
     "gloss": Example("Clear coats and metals", 35.0, 150.0, gloss),
     "glass": Example("A room behind green glass", 40.0, 330.0, glass),
 }

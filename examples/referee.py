@@ -71,14 +71,13 @@ class Verdict:
     """Linear Rec.709 pictures (h, w, 3) of one stage, each the mean of two seeds.
 
     ``spectral``, ``rgb``: the truth, and today's way; ``white``: what the perfect diffuser in a
-    surface's place would be under the same light, 0 where nothing matt is seen; ``lamps``: the part
-    of the truth that is not the sky's; ``seeds``: the truth from either seed.
+    surface's place would be under the same light, 0 where nothing matt is seen; ``seeds``: the
+    truth from either seed.
     """
 
     spectral: np.ndarray
     rgb: np.ndarray
     white: np.ndarray
-    lamps: np.ndarray
     seeds: tuple[np.ndarray, np.ndarray]
 
 
@@ -105,7 +104,6 @@ def judge(stage: Stage, samples: int = 256, seeds: tuple[int, ...] = (1, 2)) -> 
         spectral=both.mean(axis=0),
         rgb=np.mean([sum(seed[name] for name in lights) for seed in today], axis=0),
         white=np.mean([seed["white"] for seed in today], axis=0),
-        lamps=(both - truth["sky"]).mean(axis=0),
         seeds=(both[0], both[-1]),
     )
 
@@ -122,6 +120,9 @@ def _render(stage: Stage, samples: int, seed: int) -> dict[str, np.ndarray]:
     cycles.max_bounces = stage.bounces + 4
     cycles.diffuse_bounces, cycles.glossy_bounces = stage.bounces, 4
     cycles.transmission_bounces, cycles.transparent_max_bounces = 4, 8
+    # Left to itself Cycles tabulates the sky far finer than it is, for seconds.
+    scene.world.cycles.sampling_method = "MANUAL"
+    scene.world.cycles.sample_map_resolution = stage.sky.shape[1]
     cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 1.0
     layer.use_pass_diffuse_direct = layer.use_pass_diffuse_indirect = True
     _light_groups(scene, layer)

@@ -9,7 +9,9 @@ import pytest
 
 pytest.importorskip("bpy", reason="bpy is not installed")
 
-MAIN_JOB = Path(__file__).resolve().parents[1] / "examples" / "main_job.py"
+EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
+MAIN_JOB = EXAMPLES / "main_job.py"
+LIT = "sun", "courtyard", "bounce", "dusk", "texture", "gloss", "glass"
 
 
 @pytest.mark.slow
@@ -40,3 +42,21 @@ def test_main_job_says_what_is_wrong_with_a_sky(tmp_path):
         text=True,
     )
     assert process.returncode == 2 and "examples/run: " in process.stderr.splitlines()[-1]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", LIT)
+def test_lit_example(name, tmp_path):
+    """Small and noisy: that it runs, and that the report says what it should."""
+    options = ["--samples", "16", "--width", "48", "--out", str(tmp_path)]
+    subprocess.run([sys.executable, str(EXAMPLES / "lit.py"), name, *options], check=True)
+    out = tmp_path / name
+    for picture in (name, "rgb", "spectral", "reference"):
+        assert (out / f"{picture}.png").stat().st_size > 1000
+    report = json.loads((out / "report.json").read_text(encoding="utf-8"))
+    for way in ("spectral", "rgb"):
+        for error in report[way]["delta_E"], report[way]["colour"]:
+            assert 0 <= error["mean"] <= error["worst"] and error["p95"] <= error["worst"]
+    assert set(report["seconds"]) == {"scene", "spectral", "referee"}
+    assert 0 < report["referee"]["noise"]["mean"] < 3  # of 32 samples; a wrong scene is off by tens
+    assert report["pixels"]["judged"] > 100 and report["blender"]
