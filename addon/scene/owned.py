@@ -12,6 +12,7 @@ from typing import Any
 import bpy
 
 KEPT = "spectral_skylight_kept"  # on the material: what its settings were
+UNSET = ""  # it was Blender's default
 SURFACE = {"cycles.emission_sampling": "NONE"}
 """What a managed material needs."""
 GLASS = {"surface_render_method": "BLENDED", "use_transparent_shadow": True}
@@ -22,7 +23,7 @@ def own(material: bpy.types.Material, settings: dict[str, Any] = SURFACE) -> Non
     """Set a material's settings and keep what was there before, once."""
     kept = dict(material.get(KEPT, {}))
     for path, owner, name in _found(material, settings):
-        kept.setdefault(path, getattr(owner, name))
+        kept.setdefault(path, getattr(owner, name) if owner.is_property_set(name) else UNSET)
         setattr(owner, name, settings[path])
     material[KEPT] = kept
 
@@ -32,7 +33,9 @@ def give_back(material: bpy.types.Material) -> None:
     kept = dict(material.get(KEPT, {}))
     for path, owner, name in _found(material, kept):
         if getattr(owner, name) == {**SURFACE, **GLASS}[path]:
-            setattr(owner, name, kept[path])
+            owner.property_unset(name)
+            if kept[path] != UNSET:
+                setattr(owner, name, kept[path])
     if KEPT in material:
         del material[KEPT]
 
