@@ -21,6 +21,16 @@ def of_kind(kind: str) -> list[bpy.types.NodeTree]:
     return [t for t in bpy.data.node_groups if t.library is None and t.get(KIND) == kind]
 
 
+def prune(kept: str) -> None:
+    """Take out of the file all groups of ours that nothing shows, but those of one kind."""
+    while unused := [
+        tree
+        for tree in bpy.data.node_groups
+        if KIND in tree and tree[KIND] != kept and tree.users == 0 and tree.library is None
+    ]:
+        bpy.data.batch_remove(unused)
+
+
 def ensure(
     tree: bpy.types.NodeTree | None,
     kind: str,

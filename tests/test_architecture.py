@@ -37,7 +37,7 @@ MODULES_OF = {
     "ui": {"bpy"},
     "registration": {"bpy"},
     "cli": set(),
-    "commands": {"numpy"},
+    "commands": {"numpy", "tqdm"},
     "batch": {"bpy", "numpy"},
 }
 """Room and the modules from outside, Python's own apart, that it may import."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from typing import Any
 
 from ..errors import InputError
@@ -68,9 +69,27 @@ def _assignment(text: str) -> tuple[str, str]:
     return material, reflectance
 
 
+def _bake() -> list[str]:
+    """Bake all that shows managed materials, with a progress bar; return what to say of it."""
+    from tqdm import tqdm
+
+    from ..scene import bake
+
+    form = "{desc:<40.40} {bar:20} {elapsed}"
+    with tqdm(total=1.0, file=sys.stderr, bar_format=form, leave=False) as bar:
+        work = bake.bake()
+        while True:
+            try:
+                progress = next(work)
+            except StopIteration as end:
+                return end.value
+            bar.set_description_str(f"bake {progress.line}", refresh=False)
+            bar.update(progress.done - bar.n)
+
+
 def run(options: argparse.Namespace) -> None:
     """Write the blend file, and print what each material was given."""
-    from ..scene import files, lamps, sky_light, spectral, textures, working_space
+    from ..scene import files, lamps, lights, sky_light, spectral, textures, working_space
     from ..spectra.reflectance import read_assigned
     from ..transfer.white import AUTO
 
@@ -115,6 +134,9 @@ def run(options: argparse.Namespace) -> None:
         targets[material] = (textures.ESTIMATED, textures.estimated(material))
     world = spectral.develop(scene, settings)
     light, results = spectral.make_spectral(world, targets, settings)
+    if settings.occlusion == lights.BAKED:
+        said += _bake()
+        light, results = spectral.update(world, settings, targets)
     files.save(options.out)
     for result in results:
         print(result.line)

@@ -8,18 +8,20 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...node_groups import light_probe
+from ...node_groups import light_probe, skylight_surface
 from ...node_groups.skylight_surface import Features
 from ..sky.direct_sun import SunLight, restored_sun
 from ..sky.dome import Dome, dome
+from ..sky.harmonics import fit_sky
 from ..sky.irradiance import fit_coefficients
 from ..sky.light import SkyLight
 from ..sky.polynomial import HIGHEST_DEGREE, evaluate_polynomial, raised
 from ..transfer.ground import GroundLight, ground_light, split
 from ..transfer.matrices import Transfer
 from ..transfer.prefilter import balanced_rgb, prefiltered
-from . import dome_lamps, receivers, sky_light, sun_lamp
+from . import bake, dome_lamps, receivers, sky_light, sun_lamp
 from . import lamps as own_lamps
+from . import world as worlds
 from .lamps import Lamps
 
 OPEN, BAKED, DOME = "open", "baked", "dome"
@@ -178,6 +180,8 @@ def install(world: bpy.types.World, lights: Lights) -> None:
             (light_probe.GREEN, light_probe.BLUE), lights.dome.colours, strict=True
         ):
             sky_light.set_probe(world, name, colour)
+    if lights.occlusion == BAKED:
+        light_bakes(world, lights.light)
     for scene in scenes_of(world):
         if lights.sun is not None:
             assert lights.light.sun is not None
@@ -192,6 +196,14 @@ def install(world: bpy.types.World, lights: Lights) -> None:
             dome_lamps.place(scene, lights.dome)
         else:
             sun_lamp.remove(scene, (dome_lamps.DOME,))
+
+
+def light_bakes(world: bpy.types.World, light: SkyLight) -> None:
+    """Light what is baked by a World's sky as it is turned now."""
+    sky = worlds.sky_of(world)
+    turn = -sky.rotation[2] if sky.inverse else sky.rotation[2]
+    group = skylight_surface.part(sky_light.ensure(world), skylight_surface.VISIBILITY)
+    bake.light(group, light.sky, fit_sky(light.sky), turn)
 
 
 def refresh(world: bpy.types.World) -> list[str]:

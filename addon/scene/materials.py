@@ -157,6 +157,7 @@ def remove(material: bpy.types.Material) -> None:
         if world is not None:
             lights.remove(world)
         sky_light.remove(group)
+    groups.prune(skylight_surface.KIND)
 
 
 def is_managed(material: bpy.types.Material | None) -> bool:

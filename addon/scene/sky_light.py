@@ -96,12 +96,8 @@ def description_of(world: bpy.types.World) -> dict[str, Any] | None:
 
 
 def remove(surface: bpy.types.NodeTree) -> None:
-    """Take a `Skylight Surface` group out of the file with what is inside and used nowhere else.
+    """Take a `Skylight Surface` group out of the file; what was inside is then unused.
 
     Call it when the last material under that sky is released: one that still uses it turns black.
     """
-    inside = {node.node_tree for node in surface.nodes if node.type == "GROUP"}
     bpy.data.node_groups.remove(surface)
-    for tree in inside:
-        if tree.users == 0:
-            bpy.data.node_groups.remove(tree)

@@ -28,7 +28,7 @@ class Apply(operator.Thin):
         return ""
 
     def run(self, context):
-        from ..scene import spectral
+        from ..scene import sky_light, spectral
 
         found, lines = targets.editable(self.targets(context))
         chosen = {}
@@ -51,11 +51,13 @@ class Apply(operator.Thin):
             lines += [("INFO", f"{material.name}: {note}") for note in notes]
         settings = properties.settings_of(world)
         world = spectral.develop(context.scene, settings)
-        light, results = spectral.make_spectral(world, reflectances, settings)
+        _, results = spectral.make_spectral(world, reflectances, settings)
         for material, (filepath, _, unit) in chosen.items():
             _keep(material.skylight, filepath, reflectances[material][0], unit)
         lines += [("WARNING" if r.out_of_gamut else "INFO", r.line) for r in results]
-        return [*lines, ("INFO", light.caption)]
+        found = sky_light.description_of(world) or {}
+        lines += [("INFO", line) for line in found["lights"]]
+        return [*lines, ("INFO", found["caption"])]
 
     def _choice(self, material):
         """CSV, column and unit for a material, None without."""
@@ -126,4 +128,32 @@ class SKYLIGHT_OT_apply_all(Apply, bpy.types.Operator):
         return [material for material in bpy.data.materials if material.skylight.filepath]
 
 
-CLASSES = (SKYLIGHT_OT_apply, SKYLIGHT_OT_apply_selected, SKYLIGHT_OT_apply_all)
+class SKYLIGHT_OT_estimate(operator.Thin, bpy.types.Operator):
+    """Restore a reflectance from the material's own base colour or texture, and light it by that"""
+
+    bl_idname = "skylight.estimate"
+    bl_label = "Estimate from Base Color"
+
+    material: bpy.props.StringProperty(name="Material", description="Empty: the active one")
+
+    @classmethod
+    def hindrance(cls, context):
+        return operator.no_sky(context)
+
+    def run(self, context):
+        from ..scene import spectral, textures
+
+        material = targets.named(context, self.material)
+        settings = properties.settings_of(context.scene.world)
+        world = spectral.develop(context.scene, settings)
+        given = {material: (textures.ESTIMATED, textures.estimated(material))}
+        _, results = spectral.make_spectral(world, given, settings)
+        return [("INFO", result.line) for result in results]
+
+
+CLASSES = (
+    SKYLIGHT_OT_apply,
+    SKYLIGHT_OT_apply_selected,
+    SKYLIGHT_OT_apply_all,
+    SKYLIGHT_OT_estimate,
+)

@@ -33,7 +33,8 @@ class SKYLIGHT_OT_load_sky(operator.Thin, bpy.types.Operator):
         world = spectral.set_sky(scene, bpy.path.abspath(self.filepath), settings)
         light, results = spectral.update(world, settings, kept)
         count = f"; {len(results)} materials follow" if results else ""
-        return [*skipped, ("INFO", f"sky: {light.name}{count}"), ("INFO", light.caption)]
+        said = f"sky: {light.name}{count}"
+        return [*skipped, ("INFO", said), ("INFO", operator.caption(world))]
 
 
 CLASSES = (SKYLIGHT_OT_load_sky,)

@@ -60,6 +60,14 @@ def no_sky(context: bpy.types.Context) -> str:
     return ""
 
 
+def caption(world: bpy.types.World) -> str:
+    """What a picture under a World must say as long as not all light is in it."""
+    from ..scene import sky_light
+
+    found = sky_light.description_of(world)
+    return found["caption"] if found else ""
+
+
 def browse(operator: bpy.types.Operator, context: bpy.types.Context) -> set[str]:
     """Open the file browser for an operator that wants a file, as its `invoke`."""
     context.window_manager.fileselect_add(operator)

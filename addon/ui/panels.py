@@ -66,6 +66,47 @@ class SKYLIGHT_PT_numbers(Child, bpy.types.Panel):
         readout.paragraph(layout, context, "Changes show after Update")
 
 
+class SKYLIGHT_PT_light(Child, bpy.types.Panel):
+    """Which light of the World reaches materials."""
+
+    bl_label = "Light"
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        world = context.scene.world
+        if world is None:
+            layout.label(text="The scene has no World")
+            return
+        numbers = world.skylight
+        layout.prop(numbers, "sun")
+        layout.prop(numbers, "occlusion")
+        layout.prop(numbers, "ground")
+        layout.prop(numbers, "gloss")
+        readout.lights(layout, context)
+
+
+class SKYLIGHT_PT_lamp(bpy.types.Panel):
+    """The spectrum of the lamp that the properties editor shows."""
+
+    bl_label = "Spectral Skylight"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context):
+        return getattr(context, "light", None) is not None
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        light = getattr(context, "light", None)
+        if light is None:
+            return
+        self.layout.prop(light.skylight, "spectrum")
+        readout.paragraph(self.layout, context, "Shows on spectral materials after Update")
+
+
 class SKYLIGHT_PT_material(Child, bpy.types.Panel):
     """The active object's active material."""
 
@@ -137,6 +178,8 @@ def _choose(layout, context, material) -> None:
     row = layout.row(align=True)
     if choice.filepath:
         row.operator("skylight.apply")
+    else:
+        row.operator("skylight.estimate")
     if materials.is_managed(material):
         row.operator("skylight.remove")
     row = layout.row(align=True)
@@ -146,6 +189,8 @@ def _choose(layout, context, material) -> None:
 
 CLASSES = (
     SKYLIGHT_PT_main,
+    SKYLIGHT_PT_light,
+    SKYLIGHT_PT_lamp,
     SKYLIGHT_PT_material,
     SKYLIGHT_PT_numbers,
     SKYLIGHT_PT_all,

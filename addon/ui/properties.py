@@ -19,7 +19,19 @@ BASES = (
     ("daylight", "CIE Daylight", "The CIE daylight functions: measured days, also overcast"),
 )
 
-START = {"basis": "simplest", "tolerance": 0.5}
+GROUNDS = (
+    ("auto", "Automatic", "The modelled ground where geometry lies under the materials"),
+    ("hdri", "From the HDRI", "What the lower half of the HDRI shows"),
+    ("modelled", "Modelled", "Level ground of the reflectance that lies under the materials"),
+    ("none", "None", "No light comes from below"),
+)
+OCCLUSIONS = (
+    ("open", "Open Sky", "Nothing keeps the sky from a face: no shadows but the sun's"),
+    ("dome", "Live", "24 soft suns cast the sky's shadows in Eevee, also of what moves"),
+    ("baked", "Baked", "What was baked for each vertex: exact, nearly free, for both engines"),
+)
+
+START = {"basis": "simplest", "tolerance": 0.5, "gloss": True}
 """What the panel starts with; scripts and the command line choose for themselves."""
 
 
@@ -118,10 +130,54 @@ def _store(world, **values) -> None:
     settings.store(world, {**_stored(world), **values})
 
 
-def _basis(self) -> int:
-    names = [basis[0] for basis in BASES]
-    name = _stored(self.id_data).get("basis")
-    return names.index(name) if name in names else 0
+def _stored_enum(key: str, items: tuple, **described: str):
+    """An enum that lies with the World as plain data; its first item where nothing does."""
+    names = [item[0] for item in items]
+
+    def get(self) -> int:
+        name = _stored(self.id_data).get(key)
+        return names.index(name) if name in names else 0
+
+    def put(self, value: int) -> None:
+        _store(self.id_data, **{key: names[value]})
+
+    return bpy.props.EnumProperty(items=items, get=get, set=put, **described)
+
+
+def _stored_bool(key: str, default: bool, **described: str):
+    """A switch that lies with the World as plain data."""
+    return bpy.props.BoolProperty(
+        get=lambda self: _stored(self.id_data).get(key, default),
+        set=lambda self, value: _store(self.id_data, **{key: value}),
+        **described,
+    )
+
+
+def _spectrum(self) -> str:
+    from ..scene import lamps
+
+    return self.id_data.get(lamps.SPECTRUM, "")
+
+
+def _set_spectrum(self, value: str) -> None:
+    from ..scene import lamps
+
+    if value.strip():
+        self.id_data[lamps.SPECTRUM] = value.strip()
+    elif lamps.SPECTRUM in self.id_data:
+        del self.id_data[lamps.SPECTRUM]
+
+
+class SkylightLamp(bpy.types.PropertyGroup):
+    """The spectrum of a lamp, as `light.skylight`."""
+
+    spectrum: bpy.props.StringProperty(
+        name="Spectrum",
+        description="A CSV (FILE.csv:COLUMN), an illuminant (A, FL11, LED-B3) or a temperature "
+        "(2700K); empty: restored from the lamp's colour",
+        get=_spectrum,
+        set=_set_spectrum,
+    )
 
 
 class SkylightNumbers(bpy.types.PropertyGroup):
@@ -131,12 +187,33 @@ class SkylightNumbers(bpy.types.PropertyGroup):
     leave theirs: the panel shows what the materials were made with, whoever made them.
     """
 
-    basis: bpy.props.EnumProperty(
+    basis: _stored_enum(
+        "basis",
+        BASES,
         name="Skylight Model",
         description="Which spectra skylight is expected to be mixed of",
-        items=BASES,
-        get=_basis,
-        set=lambda self, value: _store(self.id_data, basis=BASES[value][0]),
+    )
+    sun: _stored_bool(
+        "sun",
+        True,
+        name="Sun",
+        description="Let the HDRI's sun shine on spectral materials: a lamp with its spectrum, "
+        "which costs a second look at the light for each pixel",
+    )
+    ground: _stored_enum(
+        "ground", GROUNDS, name="Ground", description="Where light from below comes from"
+    )
+    occlusion: _stored_enum(
+        "occlusion",
+        OCCLUSIONS,
+        name="Sky Shadows",
+        description="How geometry that hides the sky darkens materials",
+    )
+    gloss: _stored_bool(
+        "gloss",
+        False,
+        name="Keep Gloss",
+        description="Keep the gloss and metal of materials over their measured base",
     )
     tolerance: bpy.props.FloatProperty(
         name="Tolerance",
@@ -182,16 +259,18 @@ def settings_of(world: bpy.types.World):
     return spectral.Settings(**stored)
 
 
-CLASSES = (SkylightColumn, SkylightReflectance, SkylightNumbers)
+CLASSES = (SkylightColumn, SkylightReflectance, SkylightNumbers, SkylightLamp)
 
 
 def attach() -> None:
     """Give materials and Worlds their properties."""
     bpy.types.Material.skylight = bpy.props.PointerProperty(type=SkylightReflectance)
     bpy.types.World.skylight = bpy.props.PointerProperty(type=SkylightNumbers)
+    bpy.types.Light.skylight = bpy.props.PointerProperty(type=SkylightLamp)
 
 
 def detach() -> None:
     """Take the properties off again; what they hold stays in the file."""
     del bpy.types.Material.skylight
     del bpy.types.World.skylight
+    del bpy.types.Light.skylight

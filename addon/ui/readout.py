@@ -61,6 +61,15 @@ def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         paragraph(layout, context, "HDRI or working space have changed: press Update", "ERROR")
 
 
+def lights(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What shines on materials beside the sky, and what Eevee cannot keep apart."""
+    from ..scene import sky_light
+
+    found = sky_light.description_of(context.scene.world) or {}
+    for line in found.get("lights", ()):
+        paragraph(layout, context, line, "INFO")
+
+
 def material(
     layout: bpy.types.UILayout, context: bpy.types.Context, shown: bpy.types.Material
 ) -> None:

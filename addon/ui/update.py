@@ -24,10 +24,11 @@ class SKYLIGHT_OT_update(operator.Thin, bpy.types.Operator):
         world = context.scene.world
         kept, lines = targets.editable(spectral.in_scene(context.scene))
         settings = properties.settings_of(world)
-        light, results = spectral.update(spectral.develop(context.scene, settings), settings, kept)
+        world = spectral.develop(context.scene, settings)
+        light, results = spectral.update(world, settings, kept)
         lines += [("WARNING", r.line) for r in results if r.out_of_gamut]
         count = f"{len(results)} material(s) follow {light.name}"
-        return [*lines, ("INFO", count), ("INFO", light.caption)]
+        return [*lines, ("INFO", count), ("INFO", operator.caption(world))]
 
 
 CLASSES = (SKYLIGHT_OT_update,)

@@ -8,7 +8,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from spectral_skylight.addon.errors import InputError  # noqa: E402
-from spectral_skylight.addon.scene import materials, sky_light  # noqa: E402
+from spectral_skylight.addon.scene import materials, nodes, sky_light  # noqa: E402
 from spectral_skylight.tests import faces  # noqa: E402
 
 pytestmark = pytest.mark.blender
@@ -296,7 +296,7 @@ def test_a_material_without_nodes_gets_and_loses_them(world):
     materials.apply(material, world, MATRIX, **GIVEN)
     assert material.use_nodes
     materials.remove(material)
-    assert not material.use_nodes and materials.MANAGED not in material
+    assert not material.use_nodes and nodes.MANAGED not in material
     fresh = bpy.data.materials.new("Plain too")
     fresh.diffuse_color = material.diffuse_color
     fresh.use_nodes = material.use_nodes = True  # what a user then finds is what Blender makes

@@ -8,7 +8,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from spectral_skylight.addon.scene import materials  # noqa: E402
+from spectral_skylight.addon.scene import materials, nodes  # noqa: E402
 from spectral_skylight.addon.ui import panels, readout, wheels  # noqa: E402
 from spectral_skylight.tests.ui.stage import drawn, select  # noqa: E402
 
@@ -25,15 +25,15 @@ def applied(scene, tmp_path):
 def edit(**values):
     """Change what is kept with the material Wall."""
     wall = bpy.data.materials["Wall"]
-    extra = json.loads(wall[materials.MANAGED]["extra"])
-    wall[materials.MANAGED]["extra"] = json.dumps({**extra, **values})
+    extra = json.loads(wall[nodes.MANAGED]["extra"])
+    wall[nodes.MANAGED]["extra"] = json.dumps({**extra, **values})
 
 
 def test_the_sky_and_what_of_it_is_missing(applied):
     main = drawn(panels.SKYLIGHT_PT_main)
     assert "Sky: sky.exr" in main.text
-    assert "open sky: no shadows yet" in main.text
-    assert "% of this sky's light) is not on your materials" in main.text
+    assert "open sky: no shadows but the sun's yet" in main.text
+    assert "the sun at" in drawn(panels.SKYLIGHT_PT_light).text
     assert "irradiance of degree" in main.text
     assert "% at worst" in main.text
     assert "press Update" not in main.text
