@@ -234,9 +234,11 @@ def _outputs(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
     return list(dict.fromkeys(node for node in found if node is not None and node.id_data == tree))
 
 
-def _take_over(
-    material: bpy.types.Material, group: bpy.types.NodeTree, gloss: bool, textured: bool
-) -> bpy.types.Node:
+def remember(material: bpy.types.Material) -> list[bpy.types.Node]:
+    """Keep what `remove` needs to give a material back; return its outputs, still as they were.
+
+    One that has none, or in Blender 4.5 no nodes, is given them.
+    """
     without_nodes = bpy.app.version < (5, 0, 0) and not material.use_nodes
     nodes.use(material)
     material[nodes.MANAGED] = {"without_nodes": without_nodes}
@@ -245,11 +247,6 @@ def _take_over(
     if not outputs:
         outputs = [groups.add(tree, "ShaderNodeOutputMaterial")]
         outputs[0][OURS] = "output"
-    node = groups.add(tree, "ShaderNodeGroup", node_tree=group, name=group.name, label=group.name)
-    node[OURS] = "surface"
-    node.location = outputs[0].location.x - 40, outputs[0].location.y + 260
-    before = look.read(nodes.source(outputs[0].inputs["Surface"]))
-    look.dress(material, node, before, None if gloss else look.MATT, textured)
     for number, output in enumerate(outputs):
         surface = output.inputs["Surface"]
         output[OUTPUT] = number
@@ -258,6 +255,19 @@ def _take_over(
             memory = dict(link.from_node.get(SOURCE, {}))
             memory[str(number)] = [link.from_socket.identifier, str(int(link.is_muted))]
             link.from_node[SOURCE] = memory
+    return outputs
+
+
+def _take_over(
+    material: bpy.types.Material, group: bpy.types.NodeTree, gloss: bool, textured: bool
+) -> bpy.types.Node:
+    outputs = remember(material)
+    tree = material.node_tree
+    node = groups.add(tree, "ShaderNodeGroup", node_tree=group, name=group.name, label=group.name)
+    node[OURS] = "surface"
+    node.location = outputs[0].location.x - 40, outputs[0].location.y + 260
+    before = look.read(nodes.source(outputs[0].inputs["Surface"]))
+    look.dress(material, node, before, None if gloss else look.MATT, textured)
     return node
 
 
