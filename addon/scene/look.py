@@ -16,7 +16,7 @@ import bpy
 from bpy.types import Node
 from bpy.types import NodeSocket as Socket
 
-from ...node_groups import glazing, gloss, spectral_texture
+from ...node_groups import gloss, spectral_texture
 from ...node_groups import tree as groups
 from . import follow, nodes
 
@@ -284,10 +284,3 @@ def _add(tree: bpy.types.NodeTree, kind: str, role: str, **settings) -> Node:
     node = groups.add(tree, kind, **settings)
     node[OURS] = role
     return node
-
-
-def sweep() -> None:
-    """Take the groups that no look needs any more out of the file."""
-    kinds = (*gloss.KINDS, spectral_texture.KIND, glazing.KIND)
-    for tree in [tree for kind in kinds for tree in groups.of_kind(kind) if tree.users == 0]:
-        bpy.data.node_groups.remove(tree)
