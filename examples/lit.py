@@ -62,7 +62,7 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
         with timed(seconds, "referee"):
             verdict = referee.judge(stage, samples)
         with timed(seconds, "spectral"):
-            relight(stage, out)
+            relight(stage, example, out)
     images = {
         "rgb": verdict.rgb,
         "spectral": pictures.read(out / "spectral.exr"),
@@ -124,16 +124,25 @@ def save_scene(path: Path) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
 
 
-def relight(stage: Stage, out: Path) -> None:
+def relight(stage: Stage, example: Example, out: Path) -> None:
     """Make the scene spectral, and render it, by the command line alone."""
-    paints = {n: m.reflectance for n, m in stage.matter.items() if m.reflectance is not None}
-    paints = {name: values for name, values in paints.items() if values.ndim == 1}
-    write_csv(out / "paints.csv", paints)
-    assigned = [f"{name}={out / 'paints.csv'}:{name}" for name in paints]
-    options = [part for text in assigned for part in ("--assign", text)]
-    if not options:
-        command("render", out / "scene.blend", "--engine", "eevee", "--out", out / "spectral.exr")
-        return
+    options = [*example.options, "--sun-elevation", example.elevation]
+
+    def given(option: str, file: str, spectra: dict[str, np.ndarray]) -> None:
+        if spectra:
+            write_csv(out / file, spectra)
+        for name in spectra:
+            options.extend([option, f"{name}={out / file}:{name}"])
+
+    given(
+        "--assign",
+        "paints.csv",
+        {n: m.measured for n, m in stage.matter.items() if m.measured is not None},
+    )
+    for name, matter in stage.matter.items():
+        if matter.measured is None and matter.reflectance is not None:
+            options += ["--estimate", name]
+    given("--lamp", "lamps.csv", {name: lamp.spectrum for name, lamp in stage.lamps.items()})
     command("apply", out / "scene.blend", *options, "--out", out / "skylight.blend")
     command("render", out / "skylight.blend", "--engine", "eevee", "--out", out / "spectral.exr")
 

@@ -38,7 +38,8 @@ class Example:
     """One scene, and the sky over it.
 
     ``azimuth`` of the sun from north; ``shows``: one sentence for the report; ``sunlit``: whether
-    the HDRI holds the sun's disc; ``ground``: what its lower half reflects, by `CHECKER`'s name.
+    the HDRI holds the sun's disc; ``ground``: what its lower half reflects, by `CHECKER`'s name;
+    ``options``: of the command `apply`.
     """
 
     shows: str
@@ -47,6 +48,7 @@ class Example:
     build: Callable[[Light], Stage]
     sunlit: bool = False
     ground: str = "neutral 5 (.70 D)"
+    options: tuple[str, ...] = ()
 
 
 def paint(name: str) -> Matter:
@@ -97,7 +99,6 @@ def sun(light: Light) -> Stage:
         light.sky,
         camera(light, (4.5, -10.5, 3.4), (0, 0, 1.2), 0.95),
         sun=light.sun,
-        bounces=1,
     )
 
 
@@ -143,8 +144,8 @@ def dusk(light: Light) -> Stage:
     }
     lamps = {}
     for name, at, spectrum, share in (
-        ("LED", (-1.4, -0.9, 2.7), colour.SDS_ILLUMINANTS["LED-B1"], 1.5),
-        ("sodium", (2.2, -2.2, 3.0), colour.SDS_LIGHT_SOURCES["Super HPS"], 3.0),
+        ("LED", (-1.4, -0.9, 2.7), colour.SDS_ILLUMINANTS["LED-B1"], 4.0),
+        ("sodium", (2.2, -2.2, 3.0), colour.SDS_LIGHT_SOURCES["Super HPS"], 8.0),
     ):
         shine = bands.spectrum(spectrum)
         shine = shine / (bands.S @ shine).max()
@@ -152,7 +153,7 @@ def dusk(light: Light) -> Stage:
         energy = share * light.luminance() / (bands.S @ shine @ [0.2126, 0.7152, 0.0722])
         lamps[name] = Lamp(at, shine, 4 * np.pi**2 * energy, 0.08)
     view = camera(light, (-0.6, -8.5, 2.2), (0, 0, 1.45), 0.9)
-    return Stage(things, _paints(things), light.sky, view, lamps=lamps, bounces=1)
+    return Stage(things, _paints(things), light.sky, view, lamps=lamps)
 
 
 def texture(light: Light) -> Stage:
@@ -163,7 +164,7 @@ def texture(light: Light) -> Stage:
         "mosaic": Thing("mosaic", level(-3.05, 0, -0.05, 3)),
         "brick": Thing("brick", level(0.05, 0, 3.05, 3)),
     }
-    matter = {"mosaic": Matter(mosaic), "brick": Matter(bricks())}
+    matter = {"mosaic": Matter(mosaic), "brick": Matter(bricks(), sample=reflectance(BRICK))}
     view = camera(light, (0, 1.4, 9), (0, 1.5, 0), 6.4, orthographic=True)
     return Stage(things, matter, light.sky, view)
 
@@ -282,15 +283,21 @@ def light_of(sky: np.ndarray, sun: Sun, size: tuple[int, int] = (WIDTH, HEIGHT))
     return Light(sky, sun, bands.S @ irradiance(sky, np.array([[0.0, 0.0, 1.0]]))[0], size)
 
 
+BAKED = ("--occlusion", "baked")
+
 SCENES = {
-    "sun": Example("Sun and sky, and a tower's shadow", 32.0, 235.0, sun, sunlit=True),
-    "courtyard": Example("A courtyard that sees a piece of the sky", 30.0, 200.0, courtyard),
-    "bounce": Example(
-        "Red wall, green lawn: light that has bounced once", 50.0, 170.0, bounce, True
+    "sun": Example("Sun and sky, and a tower's shadow", 15, 235, sun, sunlit=True, options=BAKED),
+    "courtyard": Example(
+        "A courtyard that sees a piece of the sky", 30, 200, courtyard, options=BAKED
     ),
-    "dusk": Example("After sunset, with a warm LED and a sodium lamp", -2.0, 300.0, dusk),
-    "texture": Example("Textures: many paints, and one measured brick", 35.0, 180.0, texture),
-    "gloss": Example("Clear coats and metals", 35.0, 150.0, gloss),
-    "glass": Example("A room behind green glass", 40.0, 330.0, glass),
+    "bounce": Example(
+        "Red wall, green lawn: light that has bounced once", 50, 170, bounce, True, options=BAKED
+    ),
+    "dusk": Example(
+        "After sunset, with a warm LED and a sodium lamp", -2, 300, dusk, options=BAKED
+    ),
+    "texture": Example("Textures: many paints, and one measured brick", 35, 180, texture),
+    "gloss": Example("Clear coats and metals", 35, 150, gloss, options=("--gloss",)),
+    "glass": Example("A room behind green glass", 40, 330, glass, options=BAKED),
 }
 """The examples by name: what `sh examples/run NAME` shows."""

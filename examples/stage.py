@@ -24,6 +24,15 @@ class Matter:
     """Refractive index and extinction, (81,) each."""
     transmittance: np.ndarray | None = None
     """(81,) of a thin pane seen straight on, its reflections included."""
+    sample: np.ndarray | None = None
+    """(81,), what was measured of a texture's material; None: nothing."""
+
+    @property
+    def measured(self) -> np.ndarray | None:
+        """The reflectance (81,) that a user has a file of, None without."""
+        if self.reflectance is not None and self.reflectance.ndim == 1:
+            return self.reflectance
+        return self.sample
 
 
 @dataclass(frozen=True)
