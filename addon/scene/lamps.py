@@ -17,6 +17,7 @@ from ..sky.panorama import LUMINANCE
 from ..spectra.working_spaces import rec709_to_working
 from ..transfer.lamps import Classes, classes, lamp_spectrum
 from ..transfer.matrices import Transfer
+from ..transfer.prefilter import balanced_rgb
 from . import sun_lamp
 
 SPECTRUM = "spectral_skylight_spectrum"
@@ -67,9 +68,8 @@ def place(scene: bpy.types.Scene, lamps: Lamps, transfer: Transfer) -> None:
     """Give each lamp its twin, up to date; twins of lamps that are gone leave."""
     sun_lamp.remove(scene, (TWIN,))
     brightness = _luminance(lamps.colours, transfer)
-    for name, kind, colour, Y in zip(
-        lamps.names, lamps.classes.assignment.tolist(), lamps.colours, brightness, strict=True
-    ):
+    kinds = lamps.classes.assignment.tolist()
+    for name, kind, Y in zip(lamps.names, kinds, brightness, strict=True):
         lamp = scene.objects[name]
         channel = 1 + kind
         twin = sun_lamp.new_lamp(scene, f"Skylight {name}", lamp.data, TWIN, channel)
@@ -81,7 +81,8 @@ def place(scene: bpy.types.Scene, lamps: Lamps, transfer: Transfer) -> None:
         _follow(twin.data, "energy", lamp.data, "energy", light_probe.STRENGTH * Y)
         for path in ("hide_render", "hide_viewport"):
             _follow(twin, path, lamp, path, 1.0)
-        sun_lamp.set_cycles_colour(twin, colour / Y, channel)
+        spectrum = lamps.classes.spectra[kind]
+        sun_lamp.set_cycles_colour(twin, balanced_rgb(spectrum, transfer), channel)
 
 
 def _follow(owner, path: str, source: bpy.types.ID, source_path: str, factor: float) -> None:
