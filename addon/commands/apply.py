@@ -30,6 +30,30 @@ def add(commands: Any) -> None:
         metavar="MATERIAL",
         help="restore a reflectance from the material's own base colour or texture",
     )
+    parser.add_argument(
+        "--metal",
+        action="append",
+        default=[],
+        type=_assignment,
+        metavar="MATERIAL=NK.csv",
+        help="a metal by its n and k; the material's own Metallic says where",
+    )
+    parser.add_argument(
+        "--glass",
+        action="append",
+        default=[],
+        type=_assignment,
+        metavar="MATERIAL=FILE.csv[:COLUMN]",
+        help="a glazing by its transmittance, measured at normal incidence",
+    )
+    parser.add_argument(
+        "--behind",
+        action="append",
+        default=[],
+        type=_assignment,
+        metavar="MATERIAL=FILE.csv[:COLUMN]",
+        help="a material with a reflectance is lit through a glazing of this transmittance alone",
+    )
     add_matrix_options(parser)
     parser.add_argument("--space", help="checked against the file's working space")
     parser.add_argument(
@@ -89,17 +113,35 @@ def _bake() -> list[str]:
 
 def run(options: argparse.Namespace) -> None:
     """Write the blend file, and print what each material was given."""
-    from ..scene import files, lamps, lights, sky_light, spectral, textures, working_space
+    from ..scene import (
+        files,
+        lamps,
+        lights,
+        materials,
+        optics,
+        sky_light,
+        spectral,
+        textures,
+        working_space,
+    )
     from ..spectra.reflectance import read_assigned
+    from ..spectra.refraction import read_nk
+    from ..transfer.metals import conductor
     from ..transfer.white import AUTO
 
-    if not (options.assign or options.estimate):
+    if not (options.assign or options.estimate or options.metal):
         raise InputError("--assign", "names no material", "give MATERIAL=FILE.csv or --estimate")
-    reflectances = {}
-    for material, text in options.assign:
-        if material in reflectances:
-            raise InputError(f"--assign {material}", "is given twice", "give each material once")
-        reflectances[material] = read_assigned(text, options.unit)
+    given = [name for name, _ in (*options.assign, *options.metal, *options.glass)]
+    given += options.estimate
+    for name in given:
+        if given.count(name) > 1:
+            raise InputError(f"--assign {name}", "is given twice", "give each material once")
+    reflectances = {name: read_assigned(text, options.unit) for name, text in options.assign}
+    metals = {name: read_nk(text) for name, text in options.metal}
+    for name, text in options.metal:
+        reflectances[name] = (text, conductor(*metals[name]))
+    glazings = {name: read_assigned(text, options.unit) for name, text in options.glass}
+    behind = {name: read_assigned(text, options.unit) for name, text in options.behind}
     settings = spectral.Settings(
         basis=basis_name(options),
         camera=options.camera,
@@ -129,11 +171,20 @@ def run(options: argparse.Namespace) -> None:
     targets = {files.material(name): given for name, given in reflectances.items()}
     for name in options.estimate:
         material = files.material(name)
-        if material in targets:
-            raise InputError(f"--estimate {name}", "has a reflectance already", "leave one out")
         targets[material] = (textures.ESTIMATED, textures.estimated(material))
+    for name, (glass, transmittance) in behind.items():
+        if (material := files.material(name)) not in targets:
+            raise InputError(f"--behind {name}", "has no reflectance", "give it one by --assign")
+        reflectance, values = targets[material]
+        targets[material] = (f"{reflectance} behind {glass}", values * transmittance)
+    shown = {files.material(name): nk for name, nk in metals.items()}
+    for material in shown:
+        if not materials.look_of(material).metal:
+            raise InputError(f"--metal {material.name}", "shows none", "set its Metallic to 1")
     world = spectral.develop(scene, settings)
-    light, results = spectral.make_spectral(world, targets, settings)
+    for name, (glass, transmittance) in glazings.items():
+        optics.glaze(files.material(name), glass, transmittance)
+    light, results = spectral.make_spectral(world, targets, settings, shown)
     if settings.occlusion == lights.BAKED:
         said += _bake()
         light, results = spectral.update(world, settings, targets)

@@ -55,9 +55,10 @@ LEFT_OUT = ("Subsurface Weight", "Sheen Weight", "Transmission Weight", "Thin Fi
 class Look:
     """What an old shader looks like: to be used at once, for it holds nodes.
 
-    ``kind``: `MATT` or one of `gloss.KINDS`; ``colour`` what feeds its base colour, None for the
-    value ``rgb`` (3,) [linear, working space]; ``normal`` and ``alpha``: what feeds them, or the
-    value; ``left_out``: what of it a spectral surface does not show; ``glass``: rather a glazing.
+    ``shader``: as given; ``targets``: the nodes in it that ours stand for; ``kind``: `MATT` or one
+    of `gloss.KINDS`; ``colour``: what feeds its base colour, None for the value ``rgb`` (3,)
+    [linear, working space]; ``left_out``: what of it a spectral surface does not show; ``glass``:
+    rather a glazing.
     """
 
     shader: Socket | None
@@ -67,6 +68,11 @@ class Look:
     rgb: tuple[float, ...] = (0.8, 0.8, 0.8)
     left_out: tuple[str, ...] = ()
     glass: bool = False
+
+    @property
+    def metal(self) -> bool:
+        """Whether it shows metal somewhere."""
+        return self.kind in (gloss.METAL, gloss.MIXED)
 
 
 def read(shader: Socket | None) -> Look:

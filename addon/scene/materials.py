@@ -62,7 +62,8 @@ def apply(
     group = sky_light.ensure(world)
     node = _surface_node(material)
     kept = material.get(nodes.MANAGED, {})
-    unplugged = node is not None and not any(out.is_linked for out in node.outputs)
+    shown = look.tops(material.node_tree, node).values() if node is not None else ()
+    unplugged = node is not None and not any(socket.is_linked for socket in shown)
     other = (kept.get("gloss", False), kept.get("textured", False)) != (gloss, textured)
     if node is None or unplugged or other:
         remove(material)

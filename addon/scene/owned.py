@@ -13,6 +13,7 @@ import bpy
 
 KEPT = "spectral_skylight_kept"  # on the material: what its settings were
 UNSET = ""  # it was Blender's default
+METAL = "spectral_skylight_metal"  # on the material: n and k of its metal
 SURFACE = {"cycles.emission_sampling": "NONE"}
 """What a managed material needs."""
 GLASS = {"surface_render_method": "BLENDED", "use_transparent_shadow": True}
@@ -29,15 +30,19 @@ def own(material: bpy.types.Material, settings: dict[str, Any] = SURFACE) -> Non
 
 
 def give_back(material: bpy.types.Material) -> None:
-    """Give a material its settings back; one that a user has changed meanwhile stays."""
+    """Give a material its settings back; one that a user has changed meanwhile stays.
+
+    What else we keep on a material leaves with that.
+    """
     kept = dict(material.get(KEPT, {}))
     for path, owner, name in _found(material, kept):
         if getattr(owner, name) == {**SURFACE, **GLASS}[path]:
             owner.property_unset(name)
             if kept[path] != UNSET:
                 setattr(owner, name, kept[path])
-    if KEPT in material:
-        del material[KEPT]
+    for key in (KEPT, METAL):
+        if key in material:
+            del material[key]
 
 
 def _found(

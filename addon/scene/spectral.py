@@ -31,7 +31,7 @@ from ..transfer.choice import (
 )
 from ..transfer.matrices import Transfer, transfer
 from ..transfer.white import AUTO, estimate_white, settle_white
-from . import lights, materials, openness, sky_light, textures, working_space
+from . import lights, materials, openness, optics, sky_light, textures, working_space
 from . import settings as world_settings
 from . import world as worlds
 
@@ -148,9 +148,12 @@ def make_spectral(
     world: bpy.types.World | None,
     reflectances: Mapping[bpy.types.Material, tuple[str, NDArray[np.float64]]],
     settings: Settings,
+    metals: Mapping[bpy.types.Material, tuple[NDArray[np.float64], NDArray[np.float64]]]
+    | None = None,
 ) -> tuple[SkyLight, list[Result]]:
     """Give materials their reflectances (name, values (81,)) under a World's sky.
 
+    ``metals``: n and k (81,) of those whose reflectance is a metal's; they keep their gloss.
     Everything is computed and checked before the first material changes. Raises InputError as
     `world.sky_of`, `world.pixels_of`, `sky.panorama.from_pixels`, `materials.apply` and
     `Settings.transfer` do.
@@ -193,6 +196,7 @@ def make_spectral(
         if (varied := textures.varied(material, name, rho)) is not None
     }
     for k, (material, (name, rho)) in enumerate(reflectances.items()):
+        metal = (metals or {}).get(material) or optics.metal_of(material)
         expected, bound = choice.error(k)
         result = Result(
             material=material.name,
@@ -213,9 +217,11 @@ def make_spectral(
             reflectance_hash=reflectance_hash(rho),
             extra={**_plain(result), "unknown": prediction.unknown, "values": rho.tolist()},
             reflected={name: rgb[k] for name, rgb in reflected.items()},
-            gloss=settings.gloss,
+            gloss=settings.gloss or metal is not None,
             textured=material in textured,
         )
+        if metal is not None:
+            optics.keep_metal(material, *metal)
         if material in textured:
             materials.set_texture(material, textures.values(found, textured[material]))
         results.append(result)
@@ -227,6 +233,7 @@ def make_spectral(
         if (varied := textures.varied(material, name, rho)) is not None:
             materials.set_texture(material, textures.values(found, varied))
     warned = lights.refresh(world)
+    warned += optics.refresh(lights.scenes_of(world), light, choice.transfer)
     sky_light.describe(world, {**description, "lights": [*found.lines, *warned]})
     return light, results
 

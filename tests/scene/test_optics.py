@@ -1,0 +1,110 @@
+"""Glass and metal: coloured for the sky, taken off without a trace, panes that lamps pass."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from spectral_skylight.addon.scene import (  # noqa: E402
+    look,
+    materials,
+    nodes,
+    optics,
+    owned,
+    spectral,
+    sun_lamp,
+)
+from spectral_skylight.addon.sky.panorama import directions, write_panorama  # noqa: E402
+from spectral_skylight.addon.spectra.grid import WAVELENGTHS  # noqa: E402
+from spectral_skylight.addon.transfer.metals import tints  # noqa: E402
+from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.tests.scene.test_look import material_with  # noqa: E402
+from spectral_skylight.tests.scene.test_materials import dump  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+GREEN = 0.2 + 0.6 * np.exp(-(((WAVELENGTHS - 530) / 60.0) ** 2))
+NK = np.interp(WAVELENGTHS, [380, 500, 600, 780], [1.2, 1.1, 0.3, 0.2]), 0.004 * WAVELENGTHS
+SETTINGS = spectral.Settings(basis="rayleigh", tolerance=None)
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """A blue sky with a sun, and a square above another."""
+    scene = faces.empty_scene()
+    view = directions(128, 256)
+    sky = np.array([0.3, 0.5, 1.0]) * (1.2 + view[..., 2:])
+    sky[view @ np.array([0.6, 0.0, 0.8]) > 0.9996] = 30000.0
+    write_panorama(tmp_path / "sky.exr", sky)
+    spectral.set_sky(scene, tmp_path / "sky.exr", SETTINGS)
+    for name in ("Floor", "Pane"):
+        square = faces.add_faces(scene, np.array([[0.0, 0.0, 1.0]]))
+        square.name = name
+        square.location.z = 2.0 * (name == "Pane")
+    return scene
+
+
+def test_glass_by_its_transmittance(scene):
+    glass = material_with("BsdfGlass", Roughness=0.1)
+    scene.objects["Pane"].data.materials[0] = glass
+    wall = material_with("BsdfDiffuse")
+    scene.objects["Floor"].data.materials[0] = wall
+    glass.surface_render_method = "DITHERED"
+    before = dump(glass)
+    for _ in range(2):
+        optics.glaze(glass, "green", GREEN)
+        light, _ = spectral.make_spectral(scene.world, {wall: ("half", 0.5 * GREEN)}, SETTINGS)
+    assert light.sun is not None
+    node = optics.pane_node(glass)
+    tint = np.array(node.inputs["Transmittance"].default_value[:3])
+    # Independent of how: the colour behind it is what the sky's matrix makes of it.
+    mapping = SETTINGS.transfer(light)
+    sky = light.faces.mean(axis=0)
+    np.testing.assert_allclose(
+        tint, mapping.matrices(GREEN) @ sky / (mapping.to_working @ sky), atol=1e-5
+    )
+    assert tint.argmax() == 1
+    np.testing.assert_allclose(node.inputs["Roughness"].default_value, 0.1)
+    assert glass.surface_render_method == "BLENDED"
+    lamp = sun_lamp.find(scene, sun_lamp.SUN)
+    held = lamp.light_linking.blocker_collection
+    assert [obj.name for obj in held.objects] == ["Pane"]
+    assert held.collection_objects[0].light_linking.link_state == "EXCLUDE"
+    assert not materials.is_managed(glass) and optics.pane_node(wall) is None
+    materials.remove(glass)
+    assert dump(glass) == before
+    spectral.update(scene.world, SETTINGS)
+    assert lamp.light_linking.blocker_collection is None
+    assert not any(optics.PANES in collection for collection in bpy.data.collections)
+
+
+def test_a_frame_in_the_pane_is_told(scene):
+    glass, frame = material_with("BsdfGlass"), material_with("BsdfDiffuse")
+    window = scene.objects["Pane"].data.materials
+    window[0] = glass
+    window.append(frame)
+    scene.objects["Floor"].data.materials[0] = frame
+    optics.glaze(glass, "green", GREEN)
+    spectral.make_spectral(scene.world, {frame: ("half", 0.5 * GREEN)}, SETTINGS)
+    assert optics.pass_through(scene) == [
+        '"Pane": glass and frame in one object shade the sun; separate them by material'
+    ]
+
+
+def test_metal_by_its_n_and_k(scene):
+    metal = material_with("BsdfPrincipled", Metallic=1.0, Roughness=0.2)
+    scene.objects["Floor"].data.materials[0] = metal
+    before = dump(metal)
+    light, _ = spectral.make_spectral(
+        scene.world, {metal: ("copper", GREEN)}, SETTINGS, {metal: NK}
+    )
+    mapping = SETTINGS.transfer(light)
+    sky = mapping.restoration @ light.faces.mean(axis=0)
+    node = next(n for n in metal.node_tree.nodes if n.get(look.OURS) == "gloss")
+    for name, rgb in zip(("Metal Color", "Metal Edge"), tints(*NK, sky), strict=True):
+        np.testing.assert_allclose(node.inputs[name].default_value[:3], rgb, atol=1e-5)
+    node.inputs["Metal Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    spectral.update(scene.world, SETTINGS)  # from what the file keeps
+    assert node.inputs["Metal Color"].default_value[0] > 0.5
+    materials.remove(metal)
+    assert dump(metal) == before and owned.METAL not in metal and nodes.MANAGED not in metal
