@@ -25,6 +25,7 @@ from .evaluation import Errors, errors_of
 from .light_methods import LIGHT_METHODS, PLACES, Dome, LightMethod
 from .measures import delta_E, relative_error
 from .methods import METHODS, Method, Sky, true_colours, with_basis
+from .one_light import cases, ways
 from .speed import nanoseconds
 
 ELEVATIONS = (-4.0, 0.0, 5.0, 15.0, 30.0, 60.0)
@@ -44,7 +45,8 @@ _MANY = 2048
 class Row:
     """What was found of one method.
 
-    ``kind``: "material", "light" (in the open) or "walls" (light in a street). ``told``: as
+    ``kind``: "material", "light" (in the open), "walls" (light in a street), or materials in light
+    of one spectrum: "sun", "ground" or "lamp". ``told``: as
     `methods.Method` has it. ``nanoseconds`` a pixel, least and median; ``setup`` [s] of one more
     material, or of one more sky; ``state_bytes``, ``pixel_bytes``: what a material (or the World)
     and a pixel hold, as float32.
@@ -92,11 +94,12 @@ class Row:
 class FullSky:
     """A simulated sky: spectra of its light on `FACES`, and its picture, without the sun's disc.
 
-    Of such size that level ground gets luminance 1.
+    Of such size that level ground gets luminance 1. ``sun`` (81,): what the disc gives that ground.
     """
 
     sky: Sky
     dome: Dome
+    sun: NDArray[np.float64]
 
 
 def full_skies(elevations: Iterable[float], progress: bool = False) -> list[FullSky]:
@@ -105,11 +108,13 @@ def full_skies(elevations: Iterable[float], progress: bool = False) -> list[Full
     wanted = [(elevation, air) for elevation in elevations for air in AIRS.values()]
     for elevation, air in tqdm(wanted, desc="skies", disable=not progress):
         # Sun in the south-south-west: no two sides of a building are alike.
-        spectral = picture(simulate(elevation, air), ROWS, 200.0).astype(float)
+        simulated = simulate(elevation, air)
+        spectral = picture(simulated, ROWS, 200.0).astype(float)
         lights = weights @ spectral.reshape(-1, spectral.shape[-1])
         size = LUMINANCE @ observer() @ lights[0]
         dome = Dome(spectral @ observer().T / size)
-        result.append(FullSky(Sky(lights / size, elevation), dome))
+        sun = simulated.direct * max(np.sin(np.radians(elevation)), 0.0) / size
+        result.append(FullSky(Sky(lights / size, elevation), dome, sun))
     return result
 
 
@@ -123,12 +128,15 @@ def rows(
     progress: bool = False,
 ) -> list[Row]:
     """Return a row for each method, over all skies and reflectances rho (m, 81)."""
-    with tqdm(total=len(methods) + len(light_methods) + 1, disable=not progress) as bar:
+    known = cases((one.sky, one.sun) for one in skies)
+    total = len(methods) + len(light_methods) + 1 + sum(len(ways(kind)) for kind in known)
+    with tqdm(total=total, disable=not progress) as bar:
         result = []
         for some in (
-            material_rows(skies, rho, methods, rounds),
+            material_rows("material", [one.sky for one in skies], rho, methods, rounds),
             light_rows("light", skies, rho, light_methods, rounds),
             light_rows("walls", skies, rho, light_methods, rounds),
+            *(material_rows(kind, some, rho, ways(kind), rounds) for kind, some in known.items()),
         ):
             for row in some:
                 result.append(row)
@@ -138,10 +146,13 @@ def rows(
 
 
 def material_rows(
-    skies: list[FullSky], rho: NDArray[np.float64], methods: Mapping[str, Method], rounds: int
+    kind: str,
+    known: list[Sky],
+    rho: NDArray[np.float64],
+    methods: Mapping[str, Method],
+    rounds: int,
 ) -> Iterator[Row]:
     """Yield the rows of ways to shade materials: pixels of one, as a draw call has them."""
-    known = [one.sky for one in skies]
     ready = {name: method.prepare(known[0], rho[:1]) for name, method in methods.items()}
     rng = np.random.default_rng(0)
     tasks = {
@@ -153,7 +164,7 @@ def material_rows(
         methods.items(), errors_of(methods.values(), known, rho), strict=True
     ):
         yield Row(
-            "material",
+            kind,
             name,
             method.family,
             method.told,

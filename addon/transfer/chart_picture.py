@@ -25,7 +25,7 @@ _COLOURS = {
     "light": "#15803c",
     "walls": "#1f6fb4",
 }
-_PANELS = {
+_PANELS = {  # the table's other kinds differ by their errors alone, and are not drawn
     "Materials: what becomes of the light of a pixel": ("material",),
     "Light: what a face gets of the sky": ("light", "walls"),
 }

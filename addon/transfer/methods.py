@@ -138,13 +138,16 @@ def rgb_times_rgb(name: str, from_XYZ: Callable[[], NDArray[np.float64]], *told:
         S = np.linalg.inv(to_rec709) @ observer()
         seen = S * (sky.lights[0] if told else D65())
         albedo = rho @ seen.T / seen.sum(axis=1)
-        return Prepared(S, albedo[:, :, None], _product, to_rec709)
+        return Prepared(S, albedo[:, :, None], product, to_rec709)
 
     return Method(name, "RGB × RGB", prepare, told)
 
 
-def _product(state: NDArray, pixels: NDArray) -> NDArray:
-    """Channel times channel; numpy is fastest when told so as a diagonal matrix."""
+def product(state: NDArray, pixels: NDArray) -> NDArray:
+    """Return channel times channel: of a state (..., 3, 1) and pixels (3, k), (..., 3, k).
+
+    numpy is fastest when told so as a diagonal matrix.
+    """
     return (state * np.eye(3, dtype=state.dtype)) @ pixels
 
 
@@ -159,7 +162,7 @@ def _best_diagonal(sky: Sky, rho: NDArray[np.float64]) -> Prepared:
     pixels = sky.lights @ sky.S_in.T
     true = true_colours(sky.lights, rho)
     scale = np.einsum("kmi,ki->mi", true, pixels) / (pixels**2).sum(axis=0)
-    return Prepared(sky.S_in, scale[:, :, None], _product)
+    return Prepared(sky.S_in, scale[:, :, None], product)
 
 
 def _best_matrix(sky: Sky, rho: NDArray[np.float64]) -> Prepared:

@@ -16,6 +16,7 @@ from spectral_skylight.addon.transfer.chart import Row, front, full_skies, rows,
 from spectral_skylight.addon.transfer.evaluation import Errors, colorchecker
 from spectral_skylight.addon.transfer.light_methods import LIGHT_METHODS, PLACES
 from spectral_skylight.addon.transfer.methods import METHODS, rgb_times_rgb
+from spectral_skylight.addon.transfer.one_light import ways
 
 pytest.importorskip("matplotlib")
 
@@ -47,9 +48,13 @@ def test_every_method_has_its_row_and_so_has_a_further_one(found):
     knowing = {name for name, method in LIGHT_METHODS.items() if method.knows_walls}
     assert set(of(found, "light")) == set(LIGHT_METHODS) - knowing
     assert set(of(found, "walls")) == {*knowing, "degree 4, walls ignored"}
+    for kind in ("sun", "ground", "lamp"):
+        assert list(of(found, kind)) == list(ways(kind))
+    # Two skies: of their faces, their suns, or four grounds under each; and four lamps.
+    count = {"walls": 30, "sun": 2, "ground": 8, "lamp": 4}
     for row in found:
-        faces = 2 * (15 if row.kind == "walls" else 9)
-        assert row.errors.delta_E.shape == row.errors.relative.shape == (faces, 24)
+        lights = count.get(row.kind, 18)
+        assert row.errors.delta_E.shape == row.errors.relative.shape == (lights, 24)
         assert np.isfinite(row.errors.delta_E).all() and min(row.nanoseconds) > 0
 
 
@@ -169,7 +174,8 @@ def test_names_are_inside_the_picture_and_over_none(found, monkeypatch, tmp_path
             assert inside.y0 <= box.y0 and box.y1 <= inside.y1, name
         for (one, first), (other, second) in combinations(boxes.items(), 2):
             assert not first.overlaps(second), f"{one} over {other}"
-    assert named == len(found)
+    drawn = [kind for kinds in chart_picture._PANELS.values() for kind in kinds]
+    assert named == sum(row.kind in drawn for row in found)
 
 
 @pytest.fixture
