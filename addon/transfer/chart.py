@@ -46,7 +46,7 @@ class Row:
     """What was found of one method.
 
     ``kind``: "material", "light" (in the open), "walls" (light in a street), or materials in light
-    of one spectrum: "sun", "ground" or "lamp". ``told``: as
+    of one spectrum: "sun", "ground", "glass" or "lamp". ``told``: as
     `methods.Method` has it. ``nanoseconds`` a pixel, least and median; ``setup`` [s] of one more
     material, or of one more sky; ``state_bytes``, ``pixel_bytes``: what a material (or the World)
     and a pixel hold, as float32.

@@ -1,7 +1,7 @@
-"""Light of one spectrum, the sun's, the ground's and lamps', as further rows of the chart.
+"""Light of one spectrum, of sun, ground, glazing or lamp, as further rows of the chart.
 
 What such a light is the HDRI tells in part: the sun's colour and place, the ground's colour, or
-which ground it is. Ways to shade with it are `methods.Method`s that look at a `Known` sky.
+which ground or glass it is. Ways to shade with it are `methods.Method`s that look at a `Known` sky.
 """
 
 from __future__ import annotations
@@ -30,6 +30,14 @@ GROUNDS = {
 }
 """Reflectances [%] at wavelengths [nm] of what lies below."""
 
+GLASSES = {
+    # 6 mm tinted in the mass, roughly: green by iron, bronze by selenium, and an evenly grey one.
+    "green": ([380, 450, 520, 600, 700, 780], [66, 77, 80, 73, 57, 48]),
+    "bronze": ([380, 450, 500, 570, 650, 780], [34, 45, 47, 53, 62, 66]),
+    "grey": ([380, 450, 550, 650, 780], [40, 43, 43, 41, 46]),
+}
+"""Transmittances [%] at wavelengths [nm], after M. Rubin 1985, DOI 10.1016/0165-1633(85)90052-8."""
+
 LAMPS = ("A", "FL11", "LED-B3", "HP1")
 """A bulb, a three-band tube, a white LED and a street lamp."""
 
@@ -39,32 +47,33 @@ class Known(Sky):
     """A light (1, 81), and what is known of it.
 
     ``sky_rgb`` (3,), ``sun_rgb`` (3,): RGB of the sky's and the sun's light on level ground;
-    ``ground`` (81,): the reflectance of what sent it here; ``lamp``: its name.
+    ``by`` (81,): the reflectance or transmittance of what sent it here; ``lamp``: its name.
     """
 
     sky_rgb: NDArray[np.float64] | None = None
     sun_rgb: NDArray[np.float64] | None = None
-    ground: NDArray[np.float64] | None = None
+    by: NDArray[np.float64] | None = None
     lamp: str = ""
 
 
 def cases(skies: Iterable[tuple[Sky, NDArray[np.float64]]]) -> dict[str, list[Sky]]:
-    """Return lights by kind: "sun", "ground" and "lamp".
+    """Return lights by kind: "sun", "ground", "glass" and "lamp".
 
     ``skies``: skies whose first light is that on level ground, and the sun's (81,) on the same;
     where there is no sun, sky alone lights the ground.
     """
     S = observer()
-    found: dict[str, list[Sky]] = {"sun": [], "ground": []}
+    found: dict[str, list[Sky]] = {"sun": [], "ground": [], "glass": []}
     for sky, sun in skies:
         shade = sky.lights[0]
         seen = {"sky_rgb": S @ shade, "sun_rgb": S @ sun}
         if sun.any():
             found["sun"].append(Known(_even(sun), sky.sun_elevation, **seen))
-        for at, percent in GROUNDS.values():
-            ground = np.interp(WAVELENGTHS, at, percent) / 100.0
-            light = _even((shade + sun) * ground)
-            found["ground"].append(Known(light, sky.sun_elevation, ground=ground, **seen))
+        for kind, some in (("ground", GROUNDS), ("glass", GLASSES)):
+            for at, percent in some.values():
+                by = np.interp(WAVELENGTHS, at, percent) / 100.0
+                light = _even((shade + sun) * by)
+                found[kind].append(Known(light, sky.sun_elevation, by=by, **seen))
     found["lamp"] = [Known(_even(lamp_spectrum(name)), lamp=name) for name in LAMPS]
     return {kind: lights for kind, lights in found.items() if lights}
 
@@ -133,17 +142,18 @@ def _of_hdris_ground(sky: Known) -> NDArray[np.float64]:
     return lit if found is None else found
 
 
-def _of_known_ground(sky: Known) -> NDArray[np.float64]:
-    assert sky.ground is not None
-    return _on_ground(sky) * sky.ground
+def _of_known(sky: Known) -> NDArray[np.float64]:
+    assert sky.by is not None
+    return _on_ground(sky) * sky.by
 
 
 _SPECTRA: dict[str, dict[str, tuple[str, Callable[[Known], NDArray[np.float64]]]]] = {
     "sun": {"prefiltered, the sun's colour and place known": ("prefiltered", _of_sun)},
     "ground": {
         "prefiltered, the ground's colour known": ("prefiltered", _of_hdris_ground),
-        "prefiltered, the ground known": ("prefiltered", _of_known_ground),
+        "prefiltered, the ground known": ("prefiltered", _of_known),
     },
+    "glass": {"prefiltered, the glass known": ("prefiltered", _of_known)},
     "lamp": {
         "prefiltered, the lamp's colour known": (
             "prefiltered",

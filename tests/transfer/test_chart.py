@@ -48,10 +48,10 @@ def test_every_method_has_its_row_and_so_has_a_further_one(found):
     knowing = {name for name, method in LIGHT_METHODS.items() if method.knows_walls}
     assert set(of(found, "light")) == set(LIGHT_METHODS) - knowing
     assert set(of(found, "walls")) == {*knowing, "degree 4, walls ignored"}
-    for kind in ("sun", "ground", "lamp"):
+    for kind in ("sun", "ground", "glass", "lamp"):
         assert list(of(found, kind)) == list(ways(kind))
-    # Two skies: of their faces, their suns, or four grounds under each; and four lamps.
-    count = {"walls": 30, "sun": 2, "ground": 8, "lamp": 4}
+    # Two skies: of their faces, their suns, four grounds and three panes for each; and four lamps.
+    count = {"walls": 30, "sun": 2, "ground": 8, "glass": 6, "lamp": 4}
     for row in found:
         lights = count.get(row.kind, 18)
         assert row.errors.delta_E.shape == row.errors.relative.shape == (lights, 24)

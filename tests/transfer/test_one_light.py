@@ -8,7 +8,7 @@ from spectral_skylight.addon.sky.simulation import Quality, simulate
 from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.addon.transfer.evaluation import colorchecker, errors_of
 from spectral_skylight.addon.transfer.methods import Sky
-from spectral_skylight.addon.transfer.one_light import GROUNDS, LAMPS, cases, ways
+from spectral_skylight.addon.transfer.one_light import GLASSES, GROUNDS, LAMPS, cases, ways
 
 QUALITY = Quality(once=(24, 13), more=(12, 9), ways=128, shells=30)
 RHO = colorchecker()[1]
@@ -42,12 +42,13 @@ def left(skies):
 
 def test_cases(skies):
     found = cases(skies)
-    assert [len(found[kind]) for kind in ("sun", "ground", "lamp")] == [3, 4 * len(GROUNDS), 4]
+    count = {"sun": 3, "ground": 4 * len(GROUNDS), "glass": 4 * len(GLASSES), "lamp": 4}
+    assert {kind: len(some) for kind, some in found.items()} == count
     for some in found.values():
         for one in some:
             Y = observer() @ one.lights[0] @ [0.2126, 0.7152, 0.0722]
             assert one.lights.shape == (1, 81) and Y == pytest.approx(1.0)
-    assert list(cases(skies[-1:])) == ["ground", "lamp"]
+    assert list(cases(skies[-1:])) == ["ground", "glass", "lamp"]
 
 
 def test_the_sun_known_by_colour_and_place_is_known(left):
@@ -65,6 +66,14 @@ def test_a_known_ground_is_known_and_a_colour_tells_little(left):
     # What is left is what the sky's and the sun's RGB leave of their spectra, most at dusk.
     assert known.mean() < 0.15 < 0.4 < colour.mean()
     assert colour.mean() < 0.7 * ground["as skylight"].mean() < 0.4 * ground[TODAY].mean()
+
+
+def test_glass_known_is_known(left):
+    """Pale as it is, its matrix is worth knowing."""
+    glass = left["glass"]
+    known = glass["prefiltered, the glass known"]
+    assert known.mean() < 0.15 and known.mean() < 0.5 * glass["as skylight"].mean()
+    assert glass["as skylight"].mean() < 0.5 * glass[TODAY].mean()
 
 
 def test_a_lamp_known_by_its_spectrum_is_exact(left):
