@@ -138,7 +138,9 @@ class MainJob:
             for part in ("--assign", f"{material}={self.csv}:{reflectance}")
         ]
         with silenced(self.log):
-            command("apply", self.blend(name), "--sky", self.sky, *assignments, "--out", spectral)
+            # The reference's light from below is the sky's own lower half.
+            options = "--sky", self.sky, *assignments, "--ground", "hdri"
+            command("apply", self.blend(name), *options, "--out", spectral)
             command("render", spectral, "--out", self.out / f"{name}_spectral.exr")
             for material, reflectance in self.assigned[name].items():
                 albedo = self.albedos[self.index(reflectance)]

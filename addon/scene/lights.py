@@ -16,7 +16,7 @@ from ..sky.harmonics import fit_sky
 from ..sky.irradiance import fit_coefficients
 from ..sky.light import SkyLight
 from ..sky.polynomial import HIGHEST_DEGREE, evaluate_polynomial, raised
-from ..transfer.ground import GroundLight, ground_light, split
+from ..transfer.ground import GroundLight, ground_light, is_grey, split
 from ..transfer.matrices import Transfer
 from ..transfer.prefilter import balanced_rgb, prefiltered
 from . import bake, dome_lamps, receivers, sky_light, sun_lamp
@@ -60,7 +60,9 @@ class Lights:
         lines = []
         if self.sun is not None:
             lines.append(self.sun.line)
-        if self.ground is not None:
+        if self.ground is None:
+            lines.append("light from below: the HDRI's own ground, which is grey")
+        else:
             lines.append(self.ground.line)
         if self.lamps is not None and self.lamps.classes.line:
             lines.append(f"Eevee keeps two spectra of lamps apart: {self.lamps.classes.line}")
@@ -128,8 +130,11 @@ def find(
         sun = restored_sun(light.sun, light, transfer.S_in, transfer.white)
         spectra["Sun"] = sun.spectrum
     given = {} if ground_reflectance is None else {"reflectance": ground_reflectance}
-    below = ground_light(ground, light, transfer, sun, **given)
-    spectra["Ground"] = below.spectrum
+    below = None
+    # Without shadows the light of a grey ground is one with the sky's.
+    if ground != "hdri" or occlusion != OPEN or not is_grey(light, transfer):
+        below = ground_light(ground, light, transfer, sun, **given)
+        spectra["Ground"] = below.spectrum
     if scene is not None and occlusion != DOME:
         lamps = own_lamps.find(scene, transfer, np.empty((0, 81)) if rho is None else rho)
     if lamps is not None:
@@ -138,7 +143,7 @@ def find(
     return Lights(
         light,
         transfer,
-        _sky_alone(light, transfer, below),
+        light.fit.coefficients if below is None else _sky_alone(light, transfer, below),
         occlusion,
         sun,
         below,

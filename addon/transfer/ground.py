@@ -18,6 +18,7 @@ from ..sky.irradiance import exact_irradiance, spread
 from ..sky.light import SkyLight
 from ..sky.polynomial import exponents, monomials
 from ..spectra.grid import WEIGHTS
+from ..spectra.locus import LIMIT, off_locus
 from ..spectra.metamer import with_colour
 from ..spectra.sensitivities import cmfs
 from .matrices import Transfer
@@ -111,7 +112,11 @@ def ground_light(
         )
         return GroundLight(choice, spectrum, coefficients, line)
     line = "light from below: the HDRI's own ground"
-    spectrum = with_colour(lit, seen * white, mapping.S_in)
+    grey = is_grey(light, mapping)
+    # Of a grey ground its light is skylight and sunlight: the sky's own basis knows that best.
+    spectrum = mapping.restoration @ (seen * white) if grey else None
+    if spectrum is None or spectrum.min() < 0.0:
+        spectrum = with_colour(lit, seen * white, mapping.S_in)
     if spectrum is None:
         spectrum = lit * (V @ mapping.restoration @ (seen * white) / (V @ lit))
         line += ", taken as grey: no light has its colour"
@@ -122,6 +127,17 @@ def ground_light(
     terms, target = monomials(normals, DEGREE), exact_irradiance(lower, normals)
     coefficients = np.linalg.lstsq(terms, target, rcond=None)[0] @ mapping.to_working.T * size
     return GroundLight(choice, spectrum, coefficients, line)
+
+
+def is_grey(light: SkyLight, mapping: Transfer) -> bool:
+    """Return whether the light of an HDRI's lower half has the colour of a sky's or a sun's.
+
+    Then it needs no spectrum of its own: the material's matrix for skylight serves it.
+    """
+    seen = exact_irradiance(split(light.sky)[1], [[0.0, 0.0, -1.0]])[0]
+    white = np.ones(3) if mapping.white is None else mapping.white
+    away = off_locus(seen * white, mapping.S_in, light.sun_elevation(), direct_sun=True)
+    return bool(away <= LIMIT)
 
 
 def short_cuts(
