@@ -26,6 +26,8 @@ def folder(tmp_path_factory):
     write_panorama(folder / "sky.exr", np.where(view[..., 2:] > 0, blue, 0.1))
     rows = [f"{x},{0.05 if x < 600 else 0.8},0.5" for x in range(380, 781, 10)]
     (folder / "paint.csv").write_text("\n".join(["nm,red,grey", *rows]), encoding="utf-8")
+    gold = ["nm,n,k", *(f"{x},0.3,3.0" for x in range(380, 781, 20))]
+    (folder / "gold.csv").write_text("\n".join(gold), encoding="utf-8")
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.render.engine = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
@@ -134,6 +136,12 @@ WRONG = {
     "other working space": (["scene.blend", "--space", "ACEScg"], "working space"),
     "no sky": (["scene.blend", "--sky", "paint.csv"], "paint.csv"),
     "not a blend": (["paint.csv"], "paint.csv"),
+    "no such lamp": (["scene.blend", "--lamp", "Sconce=A"], "lamp 'Sconce'"),
+    "estimate what is given": (["scene.blend", "--estimate", "Wall"], "twice"),
+    "glass that is given": (["scene.blend", "--glass", "Wall=paint.csv:red"], "twice"),
+    "behind what is not given": (["scene.blend", "--behind", "Floor=paint.csv:red"], "--assign"),
+    "no file of n and k": (["scene.blend", "--metal", "Floor=none.csv"], "none.csv"),
+    "no metal": (["scene.blend", "--metal", "Floor=gold.csv"], "Metallic"),
 }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
@@ -161,6 +162,8 @@ def run(options: argparse.Namespace) -> None:
             "leave --space out",
         )
     for name, spectrum in options.lamp:
+        file = Path(spectrum)  # the blend file may move
+        spectrum = str(file.resolve()) if file.parent.is_dir() and file.suffix else spectrum
         files.lamp(name).data[lamps.SPECTRUM] = spectrum
     if options.sky is not None:
         spectral.set_sky(scene, options.sky, settings)
