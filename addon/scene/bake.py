@@ -43,8 +43,8 @@ def targets(selected: bool = False) -> list[bpy.types.Object]:
 def bake(
     objects: Collection[bpy.types.Object] | None = None,
     *,
-    rays: int = 256,
-    tolerance: float = 0.03,
+    rays: int | None = None,
+    tolerance: float = 0.05,
     changed_only: bool = True,
     slow: bool = False,
 ) -> Generator[Progress, None, list[str]]:
@@ -53,8 +53,8 @@ def bake(
     Parameters
     ----------
     rays
-        From each point, a multiple of 32. Points that see a part of the sky err by some 2 % with
-        256, half as much with 1024.
+        From each point, a multiple of 32; None: 1024, or 256 without `embreex`. In a courtyard
+        2048, 1024 and 256 leave mean errors of 0.5, 0.8 and 3 %.
     tolerance
         How far light in the middle of a cell may be from what its corners tell, as a part of it.
     changed_only
@@ -62,6 +62,8 @@ def bake(
     slow
         Without `embreex` also where it is installed.
     """
+    if rays is None:
+        rays = 1024 if casting.fast() and not slow else 256
     if rays % 32 or rays <= 0:
         raise ValueError(f"{rays} rays are no multiple of 32")
     around, found = _scene()

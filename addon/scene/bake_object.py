@@ -24,6 +24,10 @@ START, SMALLEST = 1.0 / 48.0, 1.0 / 2000.0
 """Cells' length, of the scene's size: at first at most so long, for what is smaller may fall
 between them unseen; and none is halved that is so short."""
 
+STEEP, SHORT = 0.4, 1.0 / 200.0
+"""Cells whose corners differ by more than this part are halved whatever their middle tells, down to
+this length of the scene's size: where walls meet, light changes without end."""
+
 DARK = 0.05
 """Light, of an open sky's on level ground, under which errors are relative to that."""
 
@@ -92,7 +96,8 @@ def bake_object(
         views = _filled(fine, points, views)
         if step == sky_bake.LEVELS:
             break
-        cells = _uneven(fine, points, views, tolerance) & (points.radius > SMALLEST * around.size)
+        spread = _spread(fine, points, views)
+        cells = (spread > tolerance) & (points.radius > SMALLEST * around.size)
         middles = np.flatnonzero(cells & (levels[fine.coarse] < sky_bake.LEVELS))
         seen = visibility.Views.empty(len(middles), rays)
         starts, normals = points.middles[middles], points.middle_normals[middles]
@@ -101,6 +106,7 @@ def bake_object(
         told = fine.mean((views.sky @ PROBES)[fine.point])[middles]
         light = seen.sky @ PROBES
         wrong = (np.abs(light - told) / (light + DARK)).max(axis=1) > tolerance
+        wrong |= (spread[middles] > STEEP) & (points.radius[middles] > SHORT * around.size)
         raised = np.zeros(len(levels), bool)
         raised[fine.coarse[middles[wrong & ~seen.inside]]] = True
         growth = 3 * np.count_nonzero(raised[fine.coarse])
@@ -184,7 +190,7 @@ def _look(views, at, around, starts, normals, slow):
     rays = 8 * views.bits.shape[1]
     for part, seen in visibility.look(around, starts[at], normals[at], rays, slow):
         views.put(at[part], seen)
-        yield part.stop / len(at)
+        yield min(1.0, part.stop / len(at))
 
 
 def _filled(fine, points, views):
@@ -202,12 +208,12 @@ def _filled(fine, points, views):
     return views
 
 
-def _uneven(fine, points, views, tolerance):
-    """Which cells (f,) have corners that differ by more than the tolerance."""
+def _spread(fine, points, views):
+    """By which part the light on the corners of each cell (f,) differs."""
     light = (views.sky @ PROBES)[fine.point]
     high = np.maximum.reduceat(light, fine.starts[:-1], axis=0)
     low = np.minimum.reduceat(light, fine.starts[:-1], axis=0)
-    return points.wanted & (((high - low) / (high + DARK)).max(axis=1) > tolerance)
+    return points.wanted * ((high - low) / (high + DARK)).max(axis=1)
 
 
 def _attributes(views, shown):

@@ -172,7 +172,8 @@ def is_clear(material: bpy.types.Material) -> bool:
 
     An opacity or transmission that is linked counts as opaque; in a mix the larger part counts.
     """
-    if not material.use_nodes or material.node_tree is None:
+    without = bpy.app.version < (5, 0, 0) and not material.use_nodes
+    if without or material.node_tree is None:
         return False
     output = material.node_tree.get_output_node("EEVEE")
     if output is None or output.type == "GROUP_OUTPUT":
