@@ -30,6 +30,13 @@ from stage import Stage, Sun
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.sky.panorama import write_panorama
 
+TITLES = {
+    "rgb": "RGB × RGB, light as the reference's",
+    "eevee": "RGB × RGB in Eevee",
+    "spectral": "Spectral Skylight in Eevee",
+}
+"""What is judged: today's multiplication alone, all of today, and ours."""
+
 
 def main() -> int:
     """Run one example; exit code as the command line's."""
@@ -61,10 +68,13 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
             save_scene(out / "scene.blend")
         with timed(seconds, "referee"):
             verdict = referee.judge(stage, samples)
+        with timed(seconds, "eevee"):
+            command("render", out / "scene.blend", "--out", out / "eevee.exr")
         with timed(seconds, "spectral"):
             relight(stage, example, out)
     images = {
         "rgb": verdict.rgb,
+        "eevee": pictures.read(out / "eevee.exr"),
         "spectral": pictures.read(out / "spectral.exr"),
         "reference": verdict.spectral,
     }
@@ -74,7 +84,7 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
         "shows": example.shows,
         "blender": bpy.app.version_string,
         "how": judging.HOW,
-        **{kind: judging.errors(images[kind], verdict, where) for kind in ("spectral", "rgb")},
+        **{kind: judging.errors(images[kind], verdict, where) for kind in TITLES},
         "referee": {
             "noise": judging.noise(verdict, where),
             "samples": 2 * samples,
@@ -134,15 +144,21 @@ def relight(stage: Stage, example: Example, out: Path) -> None:
         for name in spectra:
             options.extend([option, f"{name}={out / file}:{name}"])
 
-    given(
-        "--assign",
-        "paints.csv",
-        {n: m.measured for n, m in stage.matter.items() if m.measured is not None},
-    )
-    for name, matter in stage.matter.items():
-        if matter.measured is None and matter.reflectance is not None:
-            options += ["--estimate", name]
+    matter = stage.matter
+    paints = {name: m.measured for name, m in matter.items() if m.measured is not None}
+    panes = {name: m.transmittance for name, m in matter.items() if m.transmittance is not None}
+    given("--assign", "paints.csv", paints)
+    given("--glass", "panes.csv", panes)
     given("--lamp", "lamps.csv", {name: lamp.spectrum for name, lamp in stage.lamps.items()})
+    for name, m in matter.items():
+        if m.measured is None and m.reflectance is not None:
+            options += ["--estimate", name]
+        if m.behind is not None:
+            options += ["--behind", f"{name}={out / 'panes.csv'}:{m.behind}"]
+        if m.metal is not None:
+            file = out / f"{name}.nk.csv"
+            write_csv(file, dict(zip("nk", m.metal, strict=True)))
+            options += ["--metal", f"{name}={file}"]
     command("apply", out / "scene.blend", *options, "--out", out / "skylight.blend")
     command("render", out / "skylight.blend", "--engine", "eevee", "--out", out / "spectral.exr")
 
@@ -160,17 +176,17 @@ def save_pictures(out, images, verdict, where, report) -> None:
     bright = np.percentile((verdict.spectral @ judging.LUMINANCE)[where.face >= 0], 98)
     exposure = float(np.log2(0.7 / bright))
     for kind, picture in images.items():
-        if kind != "spectral":
+        if kind in ("rgb", "reference"):
             write_panorama(out / f"{kind}.exr", picture)
         pictures.save_png(out / f"{kind}.png", picture, exposure)
-    errors = {k: judging.error_map(images[k], verdict.spectral, where) for k in ("rgb", "spectral")}
+    errors = {k: judging.error_map(images[k], verdict.spectral, where) for k in TITLES}
     pictures.save_comparison(
         out / f"{report['scene']}.png",
         images,
         errors,
         exposure,
         told(report),
-        titles={**pictures.TITLES, "reference": "Cycles, wavelength by wavelength"},
+        titles={**TITLES, "reference": "Cycles, wavelength by wavelength"},
         most=5.0,
     )
 
@@ -178,7 +194,7 @@ def save_pictures(out, images, verdict, where, report) -> None:
 def told(report: dict) -> list[str]:
     """Return what a report says, in lines."""
     lines = [report["shows"]]
-    for kind, name in (("rgb", "RGB × RGB"), ("spectral", "Spectral Skylight")):
+    for kind, name in TITLES.items():
         whole, colour = (report[kind][key] for key in ("delta_E", "colour"))
         lines.append(
             f"{name}: CIEDE2000 mean {whole['mean']:.2f}, p95 {whole['p95']:.2f}, "

@@ -4,7 +4,7 @@ Each is what an architect would build to see one thing. `SCENES` is the table. M
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bands
 import colour
@@ -219,7 +219,16 @@ def glass(light: Light) -> Stage:
         "roof": Thing("neutral 5 (.70 D)", box(-w - 0.1, 0, h + 0.01, w + 0.1, d + 0.1, h + 0.2)),
         "outside": Thing("red", upright(w + 0.15, w + 0.9, 0, 1.6, 0)),
     }
-    matter = {**_paints(things, {"glass"}), "glass": Matter(transmittance=green_pane(), ior=1.52)}
+    inside = "floor", "ceiling", "left", "right", "back", "chest", "stool"
+    things |= {
+        name: replace(things[name], matter=f"{things[name].matter} inside") for name in inside
+    }
+    matter = {"glass": Matter(transmittance=green_pane(), ior=1.52)}
+    for thing in things.values():
+        name = thing.matter.removesuffix(" inside")
+        if name in CHECKER:
+            behind = "glass" if name != thing.matter else None
+            matter[thing.matter] = replace(paint(name), behind=behind)
     view = camera(light, (0.5, -6.0, 1.7), (0.15, 0.5, 1.25), 0.75)
     return Stage(things, matter, light.sky, view)
 
@@ -271,11 +280,9 @@ def _down(x0, y0, x1, y1, z) -> list:
     return [[(x0, y1, z), (x1, y1, z), (x1, y0, z), (x0, y0, z)]]
 
 
-def _paints(things: dict[str, Thing], others: set[str] = frozenset()) -> dict[str, Matter]:
+def _paints(things: dict[str, Thing]) -> dict[str, Matter]:
     """Return the checker's paints by the names that things use."""
-    return {
-        thing.matter: paint(thing.matter) for thing in things.values() if thing.matter not in others
-    }
+    return {thing.matter: paint(thing.matter) for thing in things.values()}
 
 
 def light_of(sky: np.ndarray, sun: Sun, size: tuple[int, int] = (WIDTH, HEIGHT)) -> Light:

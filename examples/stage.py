@@ -26,6 +26,8 @@ class Matter:
     """(81,) of a thin pane seen straight on, its reflections included."""
     sample: np.ndarray | None = None
     """(81,), what was measured of a texture's material; None: nothing."""
+    behind: str | None = None
+    """The pane's matter through which all its light comes; None: it stands outdoors."""
 
     @property
     def measured(self) -> np.ndarray | None:
