@@ -181,9 +181,9 @@ def _air_of_sun(elevation: float, rgb: ArrayLike | None, S_in: NDArray | None) -
         missed = _uv(S_in @ _sunlight(elevation, air(away)), S_in) - target
         return np.concatenate([missed / _COLOUR, away])
 
-    # Haze from 0.003 to 3, ozone to 640 Dobson units, no exponent that would make the sun bluer.
-    limit = np.array([5.0, 5.3, 2.6])
-    return air(least_squares(unlikely, np.zeros(3), bounds=(-limit, limit), diff_step=1e-4).x)
+    # Haze 0.003 to 0.8, ozone to 640 Dobson units, no exponent that would make the sun bluer.
+    limits = np.array([[-5.0, -5.3, -2.6], [3.0, 5.3, 2.6]])
+    return air(least_squares(unlikely, np.zeros(3), bounds=limits, diff_step=1e-4).x)
 
 
 def _clear_sky(elevation: float, haze: float) -> NDArray[np.float64]:
@@ -198,7 +198,8 @@ def _clear_sky(elevation: float, haze: float) -> NDArray[np.float64]:
 
 
 def _luminance(rgb: NDArray, S_in: NDArray) -> float:
-    return float(_XYZ(rgb, S_in)[1])
+    """Return Y of what S_in sees; colours that a camera never sees may have less than none."""
+    return max(float(_XYZ(rgb, S_in)[1]), 1e-9 * float(np.sum(rgb)))
 
 
 def _uv(rgb: NDArray, S_in: NDArray) -> NDArray[np.float64]:

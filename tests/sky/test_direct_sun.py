@@ -187,6 +187,28 @@ def test_who_knows_better_says_so():
     assert guessed.clipped and guessed.rgb @ LUMINANCE > 0.999 * whole.sun.irradiance @ LUMINANCE
 
 
+@pytest.mark.parametrize("elevation", [-0.9, 0.0, 2.0, 90.0])
+@pytest.mark.parametrize("S_in", [S, camera("Nikon 5100")], ids=["observer", "camera"])
+@pytest.mark.filterwarnings("error")
+def test_suns_that_no_sky_has(elevation, S_in):
+    """Deep red, blue, faint and blinding ones, in a blue, a black and a red sky."""
+    whole = lit(45.0)[0]
+    for rgb in (
+        (3.0, 1.0, 0.1),
+        (1.0, 0.0, 0.0),
+        (0.0, 0.0, 1.0),
+        (1e-9, 1e-9, 1e-9),
+        (1e6, 9e5, 8e5),
+    ):
+        for sky in ((0.3, 0.4, 0.7), (0.0, 0.0, 0.0), (1.0, 0.2, 0.0)):
+            light = replace(whole, faces=np.tile(sky, (9, 1)))
+            for clipped in (False, True):
+                sun = replace(whole.sun, elevation=elevation, irradiance=np.array(rgb))
+                found = restored_sun(sun, light, S_in, clipped=clipped)
+                assert np.isfinite(found.rgb).all() and found.spectrum.min() >= 0.0
+                np.testing.assert_allclose(S_in @ found.spectrum, found.rgb, rtol=1e-9)
+
+
 def test_photographed_suns(shared_data):
     """One sunrise in two HDRIs, the one clipped; veiled suns are weak, not clipped."""
     folder = shared_data / "hdri"
