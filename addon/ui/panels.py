@@ -81,6 +81,10 @@ class SKYLIGHT_PT_light(Child, bpy.types.Panel):
         numbers = world.skylight
         layout.prop(numbers, "sun")
         layout.prop(numbers, "occlusion")
+        if numbers.occlusion == "baked":
+            row = layout.row(align=True)
+            row.operator("skylight.bake")
+            row.operator("skylight.remove_bakes", text="", icon="X")
         layout.prop(numbers, "ground")
         layout.prop(numbers, "gloss")
         readout.lights(layout, context)
