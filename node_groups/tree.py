@@ -21,6 +21,12 @@ def of_kind(kind: str) -> list[bpy.types.NodeTree]:
     return [t for t in bpy.data.node_groups if t.library is None and t.get(KIND) == kind]
 
 
+def kind_of(node: bpy.types.Node) -> str | None:
+    """The kind of the group of ours that a node shows, None for any other node."""
+    tree = node.node_tree if node.type == "GROUP" else None
+    return None if tree is None else tree.get(KIND)
+
+
 def prune(kept: str) -> None:
     """Take out of the file all groups of ours that nothing shows, but those of one kind."""
     while unused := [

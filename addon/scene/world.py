@@ -51,7 +51,7 @@ def sky_of(world: bpy.types.World | None) -> WorldSky:
         place, output and output.inputs["Surface"], "BACKGROUND", "the World Output", "a Background"
     )
     colour = nodes.source(background.inputs["Color"])
-    if colour is not None and _is_spectral_matrix(colour.node):
+    if colour is not None and groups.kind_of(colour.node) == spectral_matrix.KIND:
         background_colour = colour.node.inputs["Color"]
     else:
         background_colour = background.inputs["Color"]
@@ -82,14 +82,6 @@ def _expect(place, socket, node_type: str, whose: str, wanted: str) -> bpy.types
         what = f'the node "{found.node.name}"' if found else "nothing"
         raise InputError(place, f"{whose} is fed by {what}, not by {wanted}", CURE)
     return found.node
-
-
-def _is_spectral_matrix(node: bpy.types.Node) -> bool:
-    return (
-        node.type == "GROUP"
-        and node.node_tree is not None
-        and node.node_tree.get(groups.KIND) == spectral_matrix.KIND
-    )
 
 
 def _mapping(place: str, texture: bpy.types.Node) -> bpy.types.Node | None:
@@ -217,7 +209,8 @@ def _matrix_node(world: bpy.types.World) -> bpy.types.Node | None:
     """The Spectral Matrix node that feeds a World's Background, None without."""
     background = sky_of(world).background
     found = nodes.source(world.node_tree.nodes[background].inputs["Color"])
-    return found.node if found is not None and _is_spectral_matrix(found.node) else None
+    ours = found is not None and groups.kind_of(found.node) == spectral_matrix.KIND
+    return found.node if ours else None
 
 
 def _with_matrix(world: bpy.types.World, matrix) -> bpy.types.World:
