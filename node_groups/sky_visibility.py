@@ -7,14 +7,17 @@ products. Another sky changes values alone. A turn of the sky about z turns the 
 harmonics of order m by m times the angle. All is in world space; attributes are found by name.
 
     skylight_0 … 3   16 harmonics of the sky (`PLACES`)
-    skylight_4       share of what lies below the horizon; 1 where baked; the sun's two bounces
+    skylight_4       share of what lies below the horizon; where baked, the `mark` of the object's
+                     place, else 0; the sun's two bounces
     skylight_5 … 9   9 harmonics each of the sky's light by way of two kinds of neighbours
     skylight_exact   what the harmonics leave of one sky's irradiance; that sky's key
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import math
+import operator
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 
 import bpy
@@ -28,6 +31,10 @@ EXACT = "skylight_exact"
 SUN = "Exact for"  # the node with the turn of the sky for which the exact part was made
 KEY = "Key"  # … and with its key
 FADE = 0.9962  # cosine of 5 degrees: so far turned, the exact part is no longer right, and is gone
+
+LANDMARK = (0.37, 0.61, 0.83)  # a point of each object, by whose place in the world it is told
+ALONG = (1.618, 2.236, 2.646)  # … along this direction, modulo 1 unit
+NEAR = 0.01  # how far the place may be off: float32 far from the origin
 
 Key = tuple[int, int]
 Place = tuple[int, int]
@@ -63,13 +70,24 @@ BOUNCES: tuple[dict[Key, Place], dict[Key, Place]] = (
 """The same for light by way of the first and second kind of neighbours, degrees 0 to 2."""
 
 
+def mark(to_world: Sequence[Sequence[float]]) -> float:
+    """What the flag holds on objects with this matrix (4, 4) to the world: 1 to 2.
+
+    Attributes are in world space. Another mark, as an instance or a moved object has it (but for
+    one of fifty), is no flag.
+    """
+    place = [sum(m * p for m, p in zip(row, (*LANDMARK, 1.0), strict=True)) for row in to_world]
+    return 1.0 + math.fmod(1.0 + math.fmod(sum(map(operator.mul, place, ALONG)), 1.0), 1.0)
+
+
 def ensure(tree: bpy.types.NodeTree | None = None, bounce: bool = False) -> bpy.types.NodeTree:
     """A `Sky Visibility` group: the given one, updated, its coefficients kept; or a new one, all 0.
 
     Inputs: Rotation (Euler XYZ [rad], of which z is followed) and Strength, as the World's Mapping
     and Background have them. Outputs: Irradiance, irradiance/pi in the HDRI's linear RGB, nowhere
     negative; Ground, the part (0 to 1) of a white face's view that is open below the horizon;
-    Baked, 1 where these hold and 0 where a mesh was not baked or its face is seen from behind;
+    Baked, 1 where these hold and 0 where a mesh was not baked or elsewhere, as an instance or a
+    moved object, or where its face is seen from behind;
     Bounce 1, Bounce 2 and Bounce 1 Sun, Bounce 2 Sun, light by way of neighbours, all 0 without
     `bounce`: another shader, with five more attributes.
     """
@@ -204,7 +222,17 @@ def _build(tree: bpy.types.NodeTree, bounce: bool) -> None:
     other, sun_2 = read(attribute(4))
     ground, flag, sun_1 = add("ShaderNodeSeparateXYZ", other).outputs
     behind = add("ShaderNodeNewGeometry").outputs["Backfacing"]
-    baked = maths("MULTIPLY", flag, maths("SUBTRACT", 1.0, behind))
+    here = add(
+        "ShaderNodeVectorTransform",
+        LANDMARK,
+        vector_type="POINT",
+        convert_from="OBJECT",
+        convert_to="WORLD",
+    ).outputs[0]
+    place = add("ShaderNodeVectorMath", here, ALONG, operation="DOT_PRODUCT").outputs["Value"]
+    off = maths("FRACT", maths("ADD", maths("SUBTRACT", flag, place), 0.5))
+    same = maths("MULTIPLY", maths("COMPARE", off, 0.5, NEAR), maths("GREATER_THAN", flag, 0.5))
+    baked = maths("MULTIPLY", same, maths("SUBTRACT", 1.0, behind))
     results = [lit(light), ground, baked]
     if bounce:
         spare = add("ShaderNodeSeparateXYZ", read(attribute(9))[0]).outputs

@@ -19,6 +19,10 @@ from ..sky.harmonics import KEYS, HarmonicFit, rotate
 from . import bake_mesh, bake_object, surroundings, visibility
 from . import rays as casting
 
+SHAPES = {"MESH", "CURVE", "SURFACE", "FONT"}
+"""Kinds of objects that can have the modifier. Metaballs and instances of collections cannot, and
+keep the open sky: make them real, and they are baked."""
+
 
 @dataclass(frozen=True)
 class Progress:
@@ -29,12 +33,12 @@ class Progress:
 
 
 def targets(selected: bool = False) -> list[bpy.types.Object]:
-    """The visible (or also selected) mesh objects of the view layer that show managed materials."""
+    """The visible (or also selected) objects of the view layer that show managed materials."""
     layer = bpy.context.view_layer
     return [
         obj
         for obj in layer.objects
-        if obj.type == "MESH" and obj.visible_get(view_layer=layer) and not obj.hide_render
+        if obj.type in SHAPES and obj.visible_get(view_layer=layer) and not obj.hide_render
         if not selected or obj.select_get(view_layer=layer)
         if bake_object.managed_slots(obj)
     ]

@@ -121,7 +121,8 @@ def read(mesh: bpy.types.Mesh) -> Fine:
     if sky_bake.FACE in mesh.attributes:
         mesh.attributes[sky_bake.FACE].data.foreach_get("value", coarse)
     at, normal = places.reshape(-1, 3)[vertex].astype(float), normals.reshape(-1, 3).astype(float)
-    step = STEP * max(float(np.ptp(at, axis=0).max()), 1e-30) if corners else 1.0
+    at, normal = np.nan_to_num(at), np.nan_to_num(normal)  # faces without area may have no normal
+    step = STEP * (float(np.ptp(at, axis=0).max()) if corners else 0.0) or 1.0
     rounded = np.concatenate([np.round(at / step), np.round(normal * 500.0)], axis=1)
     keys, first, point = np.unique(_keys(rounded), return_index=True, return_inverse=True)
     unit = normal[first]

@@ -63,9 +63,9 @@ def bake_object(
     sky_bake.set_inputs(bake_mesh.modifier_of(obj), Faces=0, Near=0.0, Bounce=False)
     bake_mesh.write_levels(kept, np.empty(0), np.empty(0))
     fine = _evaluated(obj)
-    wanted = np.isin(fine.slots, managed_slots(obj))
+    wanted = np.zeros(0, bool) if fine is None else np.isin(fine.slots, managed_slots(obj))
     problem = ""
-    if len(fine.places) > MOST:
+    if fine is not None and len(fine.places) > MOST:
         problem = f"has over {MOST:,} vertices: bake it in parts"
     elif not wanted.any():
         problem = "has no faces of a spectral material"
@@ -76,6 +76,8 @@ def bake_object(
         return [f'object "{obj.name}" {problem}: not baked']
 
     lines: list[str] = []
+    # Cells cannot be told from what the rays themselves leave.
+    tolerance = max(tolerance, 3.0 * rays**-0.75)
     levels, split = _first_levels(obj, fine, wanted, around.size)
     known: tuple[NDArray, visibility.Views] | None = None
     for step in range(sky_bake.LEVELS + 1):
@@ -116,7 +118,8 @@ def bake_object(
             lines.append(f'object "{obj.name}": light changes faster than {FINEST:,} points follow')
             break
         levels = levels + raised
-    attributes = _attributes(views, points.shown)
+    flag = points.shown * names.mark(obj.matrix_world)
+    attributes = _attributes(views, flag)
     split = split & (levels > 0)
     bake_mesh.write(obj, kept, fine, levels, split, attributes, views.bits, points.normals)
     yield 1.0
@@ -144,6 +147,9 @@ class _Points:
         # A little off the face, for a ray must not meet it, and inwards, where two walls meet.
         lift = np.clip(1e-3 * self.radius, 2e-6 * size, 2e-5 * size)
         inwards *= np.minimum(0.01, 1e-3 * size / np.maximum(away, 1e-30))[:, None]
+        # Never into a surface that bends away.
+        normals = self.normals[fine.point]
+        inwards -= np.minimum((inwards * normals).sum(axis=1), 0.0)[:, None] * normals
         shares = np.bincount(fine.point, minlength=count)
         off = [np.bincount(fine.point, column, count) for column in (*inwards.T, lift[fine.face])]
         off = np.stack(off, axis=1) / np.maximum(shares, 1)[:, None]
@@ -155,8 +161,14 @@ class _Points:
 
 def _evaluated(obj):
     bpy.context.view_layer.update()
-    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    fine = bake_mesh.read(shown.data)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    mesh = obj.evaluated_get(depsgraph).data
+    if obj.type != "MESH":  # a curve or text shows its mesh as an instance of itself
+        made = (i.object for i in depsgraph.object_instances if i.object.original == obj)
+        mesh = next((each.data for each in made if each.type == "MESH"), None)
+    if mesh is None or not mesh.polygons:
+        return None
+    fine = bake_mesh.read(mesh)
     fine.slots = np.minimum(fine.slots, max(0, len(obj.material_slots) - 1))
     return fine
 
@@ -216,12 +228,12 @@ def _spread(fine, points, views):
     return points.wanted * ((high - low) / (high + DARK)).max(axis=1)
 
 
-def _attributes(views, shown):
+def _attributes(views, flag):
     """The five colours (p, 4) of each point, as `node_groups.sky_visibility` reads them."""
-    values = np.zeros((5, len(shown), 4), np.float32)
+    values = np.zeros((5, len(flag), 4), np.float32)
     for index, key in enumerate(KEYS):
         number, channel = names.PLACES[key]
         values[number, :, channel] = views.sky[:, index]
-    for (number, channel), column in ((names.GROUND, views.ground), (names.BAKED, shown)):
+    for (number, channel), column in ((names.GROUND, views.ground), (names.BAKED, flag)):
         values[number, :, channel] = column
     return {names.attribute(number): each for number, each in enumerate(values)}

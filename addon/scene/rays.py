@@ -12,9 +12,10 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...node_groups import glazing
+from ...node_groups import tree as groups
 from . import nodes
 
-MESHES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 CLEAR = {"BSDF_GLASS", "BSDF_REFRACTION", "BSDF_TRANSPARENT"}
 
 
@@ -104,7 +105,8 @@ def occluders(depsgraph: bpy.types.Depsgraph) -> Occluders:
     for instance in depsgraph.object_instances:
         shown = instance.object
         by = instance.parent if instance.is_instance else shown
-        if not instance.show_self or shown.type not in MESHES or not shown.visible_shadow:
+        # Curves, texts and metaballs show their meshes as instances of themselves.
+        if not instance.show_self or shown.type != "MESH" or not shown.visible_shadow:
             continue
         if shown.hide_render or by.hide_render:
             continue
@@ -144,7 +146,9 @@ def occluders(depsgraph: bpy.types.Depsgraph) -> Occluders:
 
 def _triangles(shown: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray, list[str]]:
     """Triangles (n, 3, 3) of an evaluated object, the slot of each, and the slots' materials."""
-    mesh = shown.data if shown.type == "MESH" else shown.to_mesh()
+    # A last Subdivision modifier may be left to the GPU, and `data` then is what went into it.
+    smooth = any(modifier.type == "SUBSURF" for modifier in shown.modifiers)
+    mesh = shown.to_mesh() if smooth else shown.data
     names = [slot.material.name_full if slot.material else "" for slot in shown.material_slots]
     names = names or [""]
     if mesh is None or not mesh.polygons:
@@ -157,7 +161,7 @@ def _triangles(shown: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray, l
     mesh.loop_triangles.foreach_get("material_index", slots)
     mesh.vertices.foreach_get("co", places)
     triangles = places.reshape(-1, 3)[corners.reshape(-1, 3)].astype(float)
-    if shown.type != "MESH":
+    if smooth:
         shown.to_mesh_clear()
     return triangles, np.minimum(slots, len(names) - 1), names
 
@@ -189,8 +193,8 @@ def _is_clear(node: bpy.types.Node) -> bool:
         parts = [(s := nodes.source(i)) is not None and _is_clear(s.node) for i in node.inputs[1:3]]
         factor = node.inputs[0]
         return all(parts) if factor.is_linked else parts[factor.default_value > 0.5]
-    if node.type in CLEAR:
-        return True
+    if node.type in CLEAR or groups.kind_of(node) == glazing.KIND:
+        return True  # its tint is in the numbers of what lies behind
     alpha, transmission = node.inputs.get("Alpha"), node.inputs.get("Transmission Weight")
     faint = alpha is not None and not alpha.is_linked and alpha.default_value < 0.5
     glassy = transmission is not None and not transmission.is_linked

@@ -15,6 +15,7 @@ from spectral_skylight.tests import faces  # noqa: E402
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 
 COUNT = 64
+PLACE = (130.0, -70.0, 2.0)  # where the faces were baked
 ANGLE = 0.7  # [rad]: every order turns by another angle
 
 
@@ -28,6 +29,10 @@ def stage(tmp_path_factory):
     values[0, :, 3] = 2.0  # the constant harmonic keeps sums positive: Emission shows no others
     values[5, :, 3] = values[7, :, 3] = 2.0
     values[4] = rng.uniform(0.1, 0.9, (COUNT, 4))
+    shown.location = PLACE
+    bpy.context.view_layer.update()
+    values[4, :, 1] = sky_visibility.mark(shown.matrix_world)
+    shown.location = (0.0, 0.0, 0.0)
     for number in range(10):
         _store(shown.data, sky_visibility.attribute(number), values[number])
     values[10, :, :3] = rng.uniform(0.0, 0.1, (COUNT, 3))
@@ -83,7 +88,20 @@ def test_pixels_are_the_products_of_harmonics(stage, engine):
         sun = values[4, :, 2 + way]
         np.testing.assert_allclose(show(f"Bounce {way + 1} Sun", engine)[:, 0], sun, **near)
     np.testing.assert_allclose(show("Ground", engine)[:, 0], values[4, :, 0], **near)
-    np.testing.assert_allclose(show("Baked", engine)[:, 0], values[4, :, 1], **near)
+
+
+def test_baked_at_its_place_alone(stage):
+    """A moved object and an instance elsewhere fall back to the open sky."""
+    *_, show = stage
+    shown = bpy.data.objects["Faces"]
+    camera = bpy.context.scene.camera
+    for engine in ("eevee", "cycles"):
+        for place, flag in ((PLACE, 1.0), ((0.0, 0.0, 0.0), 0.0), ((*PLACE[:2], 2.1), 0.0)):
+            offset = np.subtract(place, shown.location)
+            shown.location, camera.location = place, np.add(camera.location, offset)
+            np.testing.assert_array_equal(show("Baked", engine), flag)
+    camera.location = np.subtract(camera.location, shown.location)
+    shown.location = (0.0, 0.0, 0.0)
 
 
 def test_the_exact_part_counts_for_its_sky_and_turn_alone(stage):
