@@ -5,7 +5,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from spectral_skylight.addon.scene import look, nodes  # noqa: E402
+from spectral_skylight.addon.scene import look, materials, nodes, sky_light  # noqa: E402
 from spectral_skylight.node_groups import gloss, spectral_texture  # noqa: E402
 from spectral_skylight.node_groups import tree as groups  # noqa: E402
 from spectral_skylight.tests import faces  # noqa: E402
@@ -252,3 +252,42 @@ def test_a_mix_is_rebuilt_around_our_base():
     _, surface, tops = put(material, kind=look.MATT)  # as without a look: all replaced
     assert tops["Shader"].node == surface and surface.inputs["Alpha"].default_value == 0.25
     assert diffuse.outputs[0].is_linked is False
+
+
+@pytest.mark.slow
+def test_pixels_come_back(tmp_path):
+    """Textured, bumpy, half metal, see-through: off again as before, on again as then."""
+    scene = bpy.context.scene
+    world = faces.light(scene, tmp_path)
+    scene.cycles.max_bounces, scene.cycles.transparent_max_bounces = 2, 4
+    scene.cycles.samples = scene.eevee.taa_render_samples = 4
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    material = material_with("BsdfPrincipled", Roughness=0.3, Coat_Weight=0.5)
+    with_textures(material)
+    bpy.context.object.data.materials.append(material)
+    faces.watch(scene, (0.0, 0.0), 2.0)
+    scene.render.resolution_x = scene.render.resolution_y = 33
+
+    def shown():
+        return [faces.picture(scene, tmp_path, engine)[..., :3] for engine in ("cycles", "eevee")]
+
+    def put_on():
+        given = {"reflectance_name": "", "reflectance_hash": ""}
+        matrix = np.diag([0.6, 0.3, 0.1])
+        materials.apply(material, world, matrix, **given, gloss=True, textured=True)
+        sky_light.set_coefficients(world, np.ones((1, 3)))
+
+    before = shown()
+    put_on()
+    on = shown()
+    materials.remove(material)
+    assert not bpy.data.node_groups
+    after = shown()
+    put_on()
+    again = shown()
+    for k in range(2):
+        np.testing.assert_array_equal(before[k], after[k])
+        np.testing.assert_array_equal(on[k], again[k])
+        assert np.abs(on[k] - before[k]).mean() > 0.01
+        relief = on[k][12:21, 12:21].std(axis=(0, 1))
+        assert np.all(relief > 0.01)  # texture and bumps are seen
