@@ -19,16 +19,24 @@ _COLOURS = {
     "RGB × RGB": "#c1272d",
     "3x3": "#15803c",
     "texture": "#0f8a8a",
+    "prefiltered": "#0f8a8a",
     "six channels": "#8a4fa3",
     "bands": "#1f6fb4",
     "spectrum restored": "#b4690e",
     "light": "#15803c",
     "walls": "#1f6fb4",
 }
-_PANELS = {  # the table's other kinds differ by their errors alone, and are not drawn
+_PANELS = {
     "Materials: what becomes of the light of a pixel": ("material",),
     "Light: what a face gets of the sky": ("light", "walls"),
 }
+_BARS = {
+    "sun": "The sun's light",
+    "ground": "Light from the ground",
+    "glass": "Light through tinted glass",
+    "lamp": "Lamps",
+}
+"""Kinds whose ways take the same time, and differ by their errors alone."""
 _CLUSTER = 1.4
 """Points within this factor of the fastest have their names in a column to the left."""
 
@@ -41,15 +49,20 @@ def draw(
     ``eevee``: by its label, what a sample of a material costs, over Diffuse, and what is to be
     said of it; empty where it was not measured. ``caption``: lines under the picture.
     """
-    figure = new_figure(14.0, 9.8 if eevee else 7.8)
-    heights = [5.4, 1.4] if eevee else [5.4]
+    barred = [kind for kind in _BARS if any(row.kind == kind for row in rows)]
+    heights = [5.4] + [1.3] * bool(barred) + [1.4] * bool(eevee)
+    figure = new_figure(14.0, 2.2 + 1.1 * sum(heights))
     grid = figure.add_gridspec(len(heights), 2, height_ratios=heights, width_ratios=[1.25, 1.0])
     drawn = []
     for column, (title, kinds) in enumerate(_PANELS.items()):
         axis = figure.add_subplot(grid[0, column])
         drawn.append((axis, *_panel(axis, title, [row for row in rows if row.kind in kinds])))
+    if barred:
+        cells = grid[1, :].subgridspec(1, len(barred))
+        for cell, kind in zip(cells, barred, strict=True):
+            _bars(figure.add_subplot(cell), kind, [row for row in rows if row.kind == kind])
     if eevee:
-        _strip(figure.add_subplot(grid[1, :]), eevee)
+        _strip(figure.add_subplot(grid[-1, :]), eevee)
     figure.supxlabel("\n".join(caption), fontsize=8.5, color="#555555", x=0.012, ha="left")
     figure.draw_without_rendering()  # lays everything out: from here on places are known
     figure.set_layout_engine("none")
@@ -84,7 +97,7 @@ def _panel(axis: Any, title: str, rows: Sequence[Row]) -> tuple[list[_Point], li
         lines.append(line)
     x, y = np.array([point[:2] for point in points]).T
     # Names to the left take so much, and the legend over them.
-    left, top = (6000.0, 5.0) if sum(x < _CLUSTER * x.min()) > 3 else (15.0, 1.7)
+    left, top = (15000.0, 5.0) if sum(x < _CLUSTER * x.min()) > 3 else (15.0, 1.7)
     axis.set_xlim(x.min() / left, x.max() * 9.0)
     axis.set_ylim(y.min() / 1.7, y.max() * top)
     _legend(axis, {row.kind for row in rows})
@@ -135,6 +148,20 @@ def _legend(axis: Any, kinds: set[str]) -> None:
     handles.append(Line2D([], [], color="#999999", linewidth=1.3))
     labels = [*(label for *_, label in signs), "Pareto front: nothing is both faster and nearer"]
     axis.legend(handles, labels, loc=place, frameon=False, fontsize=8.5)
+
+
+def _bars(axis: Any, kind: str, rows: Sequence[Row]) -> None:
+    """Draw what ways to shade one kind of light are off by, each bar with its name over it."""
+    means = [float(row.errors.delta_E.mean()) for row in rows]
+    for place, (row, mean) in enumerate(zip(rows, means, strict=True)):
+        axis.barh(place, mean, height=0.34, color=_COLOURS[row.family])
+        name = row.name.removesuffix(" in Rec.709")
+        axis.text(0.0, place - 0.22, name, va="bottom", fontsize=8.5, color="#444444")
+        text = f"{mean:.2f}" if mean > FLOOR / 10 else "exact"
+        axis.text(mean + 0.01 * max(means), place, text, va="center", fontsize=9, weight="bold")
+    axis.set(xlim=(0.0, 1.25 * max(means)), ylim=(3.4, -0.8), xticks=[], yticks=[])
+    axis.set_title(f"{_BARS[kind]}: mean CIEDE2000", loc="left", fontsize=10.5)
+    axis.spines[["top", "right", "bottom"]].set_visible(False)
 
 
 def _strip(axis: Any, eevee: Mapping[str, tuple[float, str]]) -> None:

@@ -19,6 +19,7 @@ from .day import FACE_NAMES
 from .evaluation import Errors
 from .light_methods import LIGHT_METHODS
 from .methods import METHODS
+from .one_light import GLASSES, GROUNDS, LAMPS
 from .report import write_csv
 
 _TODAY = "RGB × RGB in Rec.709"
@@ -122,6 +123,8 @@ def _caption(skies: list[FullSky], rho: NDArray[np.float64], made: Mapping[str, 
         f"Against full spectra: {len(skies)} simulated skies (sun at {suns}°; "
         f"{' and '.join(AIRS)} air), without the sun's disc; {len(FACE_NAMES)} faces, "
         f"{len(rho)} materials. Left: the light is exact. Right: the materials are.",
+        "Below: light of one spectrum, by what is known of it; of "
+        f"{', '.join(GROUNDS)}; of {', '.join(GLASSES)} glass; of the lamps {', '.join(LAMPS)}.",
         "Own white and prefiltered RGB are told the spectrum of the light on level ground. "
         "The basis atmosphere rests on skies of the same simulation, with other air; what is "
         "known of the sky stands behind it.",

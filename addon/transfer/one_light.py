@@ -148,18 +148,18 @@ def _of_known(sky: Known) -> NDArray[np.float64]:
 
 
 _SPECTRA: dict[str, dict[str, tuple[str, Callable[[Known], NDArray[np.float64]]]]] = {
-    "sun": {"prefiltered, the sun's colour and place known": ("prefiltered", _of_sun)},
+    "sun": {"prefiltered, colour + place known": ("prefiltered", _of_sun)},
     "ground": {
-        "prefiltered, the ground's colour known": ("prefiltered", _of_hdris_ground),
-        "prefiltered, the ground known": ("prefiltered", _of_known),
+        "prefiltered, its colour known": ("prefiltered", _of_hdris_ground),
+        "prefiltered, ground known": ("prefiltered", _of_known),
     },
-    "glass": {"prefiltered, the glass known": ("prefiltered", _of_known)},
+    "glass": {"prefiltered, glass known": ("prefiltered", _of_known)},
     "lamp": {
-        "prefiltered, the lamp's colour known": (
+        "prefiltered, its colour known": (
             "prefiltered",
             lambda sky: lamp_spectrum(_rgb(sky)),
         ),
-        "prefiltered, the lamp's spectrum known": (
+        "prefiltered, spectrum known": (
             "prefiltered",
             lambda sky: lamp_spectrum(sky.lamp),
         ),
