@@ -176,7 +176,7 @@ WRONG = {
     ),
     "assignment without =": (
         ["apply", "a.blend", "--assign", "wall", "--out", "OUT"],
-        "MATERIAL=FILE.csv",
+        "--assign: 'wall' is not NAME=VALUE",
     ),
 }
 

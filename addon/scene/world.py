@@ -209,8 +209,9 @@ def _matrix_node(world: bpy.types.World) -> bpy.types.Node | None:
     """The Spectral Matrix node that feeds a World's Background, None without."""
     background = sky_of(world).background
     found = nodes.source(world.node_tree.nodes[background].inputs["Color"])
-    ours = found is not None and groups.kind_of(found.node) == spectral_matrix.KIND
-    return found.node if ours else None
+    if found is None or groups.kind_of(found.node) != spectral_matrix.KIND:
+        return None
+    return found.node
 
 
 def _with_matrix(world: bpy.types.World, matrix) -> bpy.types.World:
