@@ -123,19 +123,19 @@ def test_what_each_receives(scene, capsys):
         np.testing.assert_allclose(parts["managed"], FLOOR, rtol=0.002, err_msg=how)
     cycles, eevee, traced = seen["Cycles"], seen["Eevee"], seen["ray traced"]
     np.testing.assert_allclose(cycles["mirror"], WALL, rtol=0.002)
-    np.testing.assert_allclose(traced["mirror"], WALL, rtol=0.1)  # the screen's pixels, filtered
+    np.testing.assert_allclose(traced["mirror"], WALL, rtol=0.15)  # the screen's pixels, filtered
     assert np.all(eevee["mirror"] < 2 * FAINT)
     for name in ("white", "glossy"):
         assert np.all(cycles[name] > 0.02) and np.all(eevee[name] < 2 * FAINT)
         ratio = cycles[name] / cycles[name].sum() * WALL.sum() / WALL
         np.testing.assert_allclose(ratio, 1.0, atol=0.1)  # its colour; the World's is a tenth
         assert np.all(traced[name] > 2 * eevee[name])
-    # Of the wall's light on a matt floor Eevee's horizon scan finds a part that depends on the
-    # view; of a gloss all that is on the screen.
-    assert np.all(traced["white"] < 0.9 * cycles["white"])
+    # Of a gloss Eevee finds what is on the screen; of the wall's light on a matt floor its horizon
+    # scan has 0.6 (Blender 5.2) to 1.5 (4.5) of Cycles', a baked volume 1.2 to 1.6 and more in blue.
     np.testing.assert_allclose(traced["glossy"], cycles["glossy"], rtol=0.35)
+    assert np.all(np.abs(np.log2(traced["white"] / cycles["white"])) < 1.0)
     if "volume" in seen:  # managed surfaces are baked into it as lamps are
-        np.testing.assert_allclose(seen["volume"]["white"], cycles["white"], rtol=0.4)
+        assert np.all(np.abs(np.log2(seen["volume"]["white"] / cycles["white"])) < 1.5)
 
 
 def test_catchers_and_holdouts(scene):
