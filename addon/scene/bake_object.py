@@ -62,7 +62,7 @@ def bake_object(
     kept = bake_mesh.ensure(obj)
     sky_bake.set_inputs(bake_mesh.modifier_of(obj), Faces=0, Near=0.0, Bounce=False)
     bake_mesh.write_levels(kept, np.empty(0), np.empty(0))
-    fine = _evaluated(obj)
+    fine = evaluated(obj)
     wanted = np.zeros(0, bool) if fine is None else np.isin(fine.slots, managed_slots(obj))
     problem = ""
     if fine is not None and len(fine.places) > MOST:
@@ -82,8 +82,8 @@ def bake_object(
     known: tuple[NDArray, visibility.Views] | None = None
     for step in range(sky_bake.LEVELS + 1):
         bake_mesh.write_levels(kept, levels, split & (levels > 0))
-        fine = _evaluated(obj)
-        points = _Points(obj, fine, wanted, around.size)
+        fine = evaluated(obj)
+        points = Points(obj, fine, wanted, around.size)
         views = visibility.Views.empty(len(fine.places), rays)
         todo = points.shown.copy()
         if known is not None:
@@ -126,8 +126,11 @@ def bake_object(
     return lines
 
 
-class _Points:
-    """The points of a mesh in the world, and where rays start from them."""
+class Points:
+    """The points of a mesh in the world, and where rays start from them.
+
+    `wanted` (f before subdivision,): the faces that are baked; `size`: the scene's.
+    """
 
     def __init__(self, obj, fine, wanted, size):
         to_world = np.array(obj.matrix_world)
@@ -159,7 +162,8 @@ class _Points:
         self.middles = middles + lift[:, None] * self.middle_normals
 
 
-def _evaluated(obj):
+def evaluated(obj: bpy.types.Object) -> bake_mesh.Fine | None:
+    """The faces of an object after its modifiers, ours the last; None without a face."""
     bpy.context.view_layer.update()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     mesh = obj.evaluated_get(depsgraph).data
