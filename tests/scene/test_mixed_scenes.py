@@ -131,7 +131,7 @@ def test_what_each_receives(scene, capsys):
         np.testing.assert_allclose(ratio, 1.0, atol=0.1)  # its colour; the World's is a tenth
         assert np.all(traced[name] > 2 * eevee[name])
     # Of a gloss Eevee finds what is on the screen; of the wall's light on a matt floor its horizon
-    # scan has 0.6 (Blender 5.2) to 1.5 (4.5) of Cycles', a baked volume 1.2 to 1.6 and more in blue.
+    # scan has 0.6 (Blender 5.2) to 1.5 (4.5) of Cycles', a baked volume 1.2 to 2.2.
     np.testing.assert_allclose(traced["glossy"], cycles["glossy"], rtol=0.35)
     assert np.all(np.abs(np.log2(traced["white"] / cycles["white"])) < 1.0)
     if "volume" in seen:  # managed surfaces are baked into it as lamps are
