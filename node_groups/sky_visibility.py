@@ -9,7 +9,8 @@ harmonics of order m by m times the angle. All is in world space; attributes are
     skylight_0 … 3   16 harmonics of the sky (`PLACES`)
     skylight_4       share of what lies below the horizon; where baked, the `mark` of the object's
                      place, else 0; the sun's two bounces
-    skylight_5 … 9   9 harmonics each of the sky's light by way of two kinds of neighbours
+    skylight_5 … 9   9 harmonics each of the sky's light by way of two kinds of neighbours; 1 where
+                     those were baked
     skylight_exact   what the harmonics leave of one sky's irradiance; that sky's key
 """
 
@@ -26,7 +27,7 @@ from . import tree as groups
 from .sky_irradiance import ROTATE
 
 KIND = "Sky Visibility"
-VERSION = 1
+VERSION = 2
 EXACT = "skylight_exact"
 SUN = "Exact for"  # the node with the turn of the sky for which the exact part was made
 KEY = "Key"  # … and with its key
@@ -55,6 +56,7 @@ PLACES: dict[Key, Place] = {
 
 GROUND: Place = (4, 0)
 BAKED: Place = (4, 1)
+BOUNCED: Place = (9, 2)
 BOUNCE_SUN: tuple[Place, Place] = ((4, 2), (4, 3))
 
 BOUNCES: tuple[dict[Key, Place], dict[Key, Place]] = (
@@ -214,9 +216,9 @@ def _build(tree: bpy.types.NodeTree, bounce: bool) -> None:
     tree.links.new(maths("MULTIPLY", same, near), left.inputs["Scale"])
     light = vectors("MAXIMUM", vectors("ADD", light, left.outputs[0]), (0.0,) * 3)
 
-    def lit(light):
+    def lit(light, by=given["Strength"]):
         scaled = add("ShaderNodeVectorMath", light, operation="SCALE")
-        tree.links.new(given["Strength"], scaled.inputs["Scale"])
+        tree.links.new(by, scaled.inputs["Scale"])
         return scaled.outputs[0]
 
     other, sun_2 = read(attribute(4))
@@ -235,13 +237,17 @@ def _build(tree: bpy.types.NodeTree, bounce: bool) -> None:
     baked = maths("MULTIPLY", same, maths("SUBTRACT", 1.0, behind))
     results = [lit(light), ground, baked]
     if bounce:
+        # A missing attribute reads 0 with alpha 1, which would be a constant harmonic.
         spare = add("ShaderNodeSeparateXYZ", read(attribute(9))[0]).outputs
+        there = maths("MULTIPLY", spare[2], baked)
+        strength = maths("MULTIPLY", given["Strength"], there)
         orders = [(1, 1), (2, 1), (2, 2), (1, -1), (2, -1), (2, -2)]
         for way, of, sun in ((0, _FIRST, sun_1), (1, _SECOND, sun_2)):
             (even, z0), (odd, z1) = read(attribute(5 + 2 * way)), read(attribute(6 + 2 * way))
             turned = turn(even, odd, (c, c, c2), (s, s, s2))
             harmonics = dict(zip(orders, turned, strict=True))
             harmonics |= {(0, 0): z0, (1, 0): z1, (2, 0): spare[way]}
-            results += [lit(vectors("MAXIMUM", total(harmonics, of), (0.0,) * 3)), sun]
+            light = vectors("MAXIMUM", total(harmonics, of), (0.0,) * 3)
+            results += [lit(light, strength), maths("MULTIPLY", sun, there)]
     add("NodeGroupOutput", *results)
     groups.arrange(tree)

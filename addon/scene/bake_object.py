@@ -71,7 +71,7 @@ def bake_object(
         problem = "has no faces of a spectral material"
     elif abs(np.linalg.det(np.array(obj.matrix_world)[:3, :3])) < 1e-20:
         problem = "is scaled to nothing"
-    if problem:
+    if problem or fine is None:
         bake_mesh.remove(obj)
         return [f'object "{obj.name}" {problem}: not baked']
 
@@ -83,6 +83,7 @@ def bake_object(
     for step in range(sky_bake.LEVELS + 1):
         bake_mesh.write_levels(kept, levels, split & (levels > 0))
         fine = evaluated(obj)
+        assert fine is not None  # it had faces just now
         points = Points(obj, fine, wanted, around.size)
         views = visibility.Views.empty(len(fine.places), rays)
         todo = points.shown.copy()

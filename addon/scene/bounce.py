@@ -121,6 +121,7 @@ class _Baked:
         """Keep the two kinds' harmonics and sun (2, p, 10)."""
         values = np.zeros((10, len(self.material), 4), np.float32)
         values[4] = bake_mesh.read_attribute(self.bake, names.attribute(4), len(self.material))
+        values[names.BOUNCED[0], :, names.BOUNCED[1]] = 1.0
         for way, places in enumerate(names.BOUNCES):
             for index, key in enumerate(KEYS[:TERMS]):
                 number, channel = places[key]

@@ -7,6 +7,8 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 
+import mathutils  # noqa: E402
+
 from spectral_skylight.addon.sky.harmonics import KEYS, rotate  # noqa: E402
 from spectral_skylight.node_groups import sky_visibility  # noqa: E402
 from spectral_skylight.node_groups import tree as groups  # noqa: E402
@@ -32,7 +34,8 @@ def stage(tmp_path_factory):
     shown.location = PLACE
     bpy.context.view_layer.update()
     values[4, :, 1] = sky_visibility.mark(shown.matrix_world)
-    shown.location = (0.0, 0.0, 0.0)
+    scene.camera.location += shown.location
+    values[9, :, 2] = 1.0
     for number in range(10):
         _store(shown.data, sky_visibility.attribute(number), values[number])
     values[10, :, :3] = rng.uniform(0.0, 0.1, (COUNT, 3))
@@ -95,13 +98,13 @@ def test_baked_at_its_place_alone(stage):
     *_, show = stage
     shown = bpy.data.objects["Faces"]
     camera = bpy.context.scene.camera
+    elsewhere = (0.0, 0.0, 0.0)
     for engine in ("eevee", "cycles"):
-        for place, flag in ((PLACE, 1.0), ((0.0, 0.0, 0.0), 0.0), ((*PLACE[:2], 2.1), 0.0)):
-            offset = np.subtract(place, shown.location)
-            shown.location, camera.location = place, np.add(camera.location, offset)
+        for place, flag in ((elsewhere, 0.0), ((*PLACE[:2], 2.1), 0.0), (PLACE, 1.0)):
+            camera.location += mathutils.Vector(place) - shown.location
+            shown.location = place
             np.testing.assert_array_equal(show("Baked", engine), flag)
-    camera.location = np.subtract(camera.location, shown.location)
-    shown.location = (0.0, 0.0, 0.0)
+            assert (show("Bounce 1", engine).max() > 0.0) == flag
 
 
 def test_the_exact_part_counts_for_its_sky_and_turn_alone(stage):
@@ -122,6 +125,19 @@ def test_the_world_turns_as_the_mapping_node_does():
     turned = rotate(east, math.pi / 2)
     assert turned[KEYS.index((1, -1))] == pytest.approx(1.0)
     assert turned[KEYS.index((1, 1))] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_without_attributes_nothing_is_there(stage):
+    """A missing attribute reads 0 with alpha 1: neither flag nor bounce may come of that."""
+    *_, show = stage
+    shown = bpy.data.objects["Faces"]
+    mesh = shown.data
+    shown.data = bare = mesh.copy()
+    for attribute in [a.name for a in bare.attributes if a.name.startswith("skylight_")]:
+        bare.attributes.remove(bare.attributes[attribute])
+    for output in ("Baked", "Bounce 1", "Bounce 2 Sun"):
+        np.testing.assert_array_equal(show(output), 0.0)
+    shown.data = mesh
 
 
 def test_ensure_keeps_coefficients_also_as_another_variant():
