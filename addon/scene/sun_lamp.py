@@ -115,7 +115,7 @@ def set_cycles_colour(lamp: bpy.types.Object, rgb: NDArray[np.float64], channel:
     ``rgb`` (3,): what Blender's energy times colour would be without the probe.
     """
     light = lamp.data
-    if bpy.app.version < (5, 0, 0):
+    if not light.use_nodes:  # in Blender 5.0 lamps have no nodes of their own yet
         light.use_nodes = True
     tree = light.node_tree
     tree.nodes.clear()
