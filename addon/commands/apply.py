@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Generator
 from pathlib import Path
 from typing import Any
 
@@ -81,6 +82,11 @@ def add(commands: Any) -> None:
         help="shadows of the sky: none, live in Eevee, or baked",
     )
     parser.add_argument(
+        "--bounce",
+        action="store_true",
+        help="bake what one bounce between materials brings too",
+    )
+    parser.add_argument(
         "--gloss", action="store_true", help="keep the gloss and metal of the materials"
     )
     parser.add_argument("--out", required=True, metavar="OUT.blend")
@@ -94,15 +100,12 @@ def _assignment(text: str) -> tuple[str, str]:
     return material, reflectance
 
 
-def _bake() -> list[str]:
-    """Bake all that shows managed materials, with a progress bar; return what to say of it."""
+def _bake(work: Generator[Any, None, list[str]]) -> list[str]:
+    """Run a bake with a progress bar; return what to say of it."""
     from tqdm import tqdm
-
-    from ..scene import bake
 
     form = "{desc:<40.40} {bar:20} {elapsed}"
     with tqdm(total=1.0, file=sys.stderr, bar_format=form, leave=False) as bar:
-        work = bake.bake()
         while True:
             try:
                 progress = next(work)
@@ -152,8 +155,11 @@ def run(options: argparse.Namespace) -> None:
         sun=not options.no_sun,
         ground=options.ground,
         occlusion=options.occlusion,
+        bounce=options.bounce,
         gloss=options.gloss,
     )
+    if options.bounce and options.occlusion != lights.BAKED:
+        raise InputError("--bounce", "is part of a bake", "add --occlusion baked")
     scene = files.open_scene(options.scene)
     if options.space not in (None, working_space.name()):
         raise InputError(
@@ -189,7 +195,7 @@ def run(options: argparse.Namespace) -> None:
         optics.glaze(files.material(name), glass, transmittance)
     light, results = spectral.make_spectral(world, targets, settings, shown)
     if settings.occlusion == lights.BAKED:
-        said += _bake()
+        said += _bake(spectral.bake(world, settings))
         light, results = spectral.update(world, settings, targets)
     files.save(options.out)
     for result in results:

@@ -32,7 +32,8 @@ class Lights:
     """What shines on a World's materials, found before anything changes.
 
     ``coefficients``: of the sky's irradiance without the ground's; ``spectra``: those of the lights
-    in `skylight_surface.LIGHTS` that there are, (81,) each.
+    in `skylight_surface.LIGHTS` that there are, (81,) each; ``neighbours``: of receiving materials,
+    by name, the reflectances (2, 81) of what sends them light, None without bounces.
     """
 
     light: SkyLight
@@ -44,6 +45,7 @@ class Lights:
     lamps: Lamps | None = None
     dome: Dome | None = None
     spectra: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    neighbours: dict[str, NDArray[np.float64]] | None = None
 
     @property
     def features(self) -> Features:
@@ -52,6 +54,7 @@ class Lights:
             self.occlusion,  # type: ignore[arg-type]
             probe=self.sun is not None or self.lamps is not None or self.dome is not None,
             ground=self.ground is not None,
+            bounce=self.neighbours is not None,
         )
 
     @property
@@ -78,7 +81,7 @@ class Lights:
         """What a picture must say as long as not all light is in it."""
         shadows = {
             OPEN: "open sky: no shadows yet",
-            BAKED: "the sky's shadows are baked",
+            BAKED: "the sky's shadows are baked" + ", one bounce too" * self.features.bounce,
             DOME: "the sky's shadows are live",
         }[self.occlusion]
         if self.light.sun is None:
@@ -87,6 +90,23 @@ class Lights:
             return shadows.replace("no shadows yet", "no shadows but the sun's yet")
         share = f"{100 * self.light.sun_share:.0f} % of this sky's light"
         return f"{shadows}; the sun ({share}) is not on your materials"
+
+    def bounced(self, name: str, rho: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        """Return what a material (81,) makes of light by way of its neighbours.
+
+        Their matrix is that of both reflectances' product, not the product of two matrices.
+        """
+        if self.neighbours is None:
+            return {}
+        inputs = {}
+        by = self.neighbours.get(name, np.zeros((2, 81)))
+        for way, product in zip(skylight_surface.BOUNCES, rho * by, strict=True):
+            for row, values in zip("RGB", self.transfer.matrices(product), strict=True):
+                inputs[f"{way} {row}"] = values
+            sun = self.spectra.get("Sun")
+            if sun is not None:
+                inputs[f"{way} Sun"] = prefiltered(product, sun, self.transfer.space)
+        return inputs
 
     def reflected(self, rho: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
         """Return what reflectances (m, 81) make of each light, (m, 3).
@@ -116,13 +136,14 @@ def find(
     ground: str = "hdri",
     ground_reflectance: NDArray[np.float64] | float | None = None,
     occlusion: str = OPEN,
+    neighbours: dict[str, NDArray[np.float64]] | None = None,
 ) -> Lights:
     """Return the lights of a sky and of a scene, computed and checked.
 
     ``rho`` (m, 81): the scene's materials, by which lamps are told apart; ``ground``: one of
     `transfer.ground.CHOICES`; ``ground_reflectance``: that of a modelled one, else grey's;
-    ``occlusion``: `OPEN`, `BAKED` or `DOME`. Raises InputError for a lamp's spectrum that cannot
-    be read and for an unknown ground.
+    ``occlusion``: `OPEN`, `BAKED` or `DOME`; ``neighbours`` as `Lights` has them.
+    Raises InputError for a lamp's spectrum that cannot be read and for an unknown ground.
     """
     spectra = {}
     sun = lamps = None
@@ -150,6 +171,7 @@ def find(
         lamps,
         dome(light.sky) if occlusion == DOME else None,
         spectra,
+        neighbours if occlusion == BAKED else None,
     )
 
 

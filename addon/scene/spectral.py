@@ -5,7 +5,7 @@ The panel, the command line and scripts all call these functions.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Generator, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -31,7 +31,8 @@ from ..transfer.choice import (
 )
 from ..transfer.matrices import Transfer, transfer
 from ..transfer.white import AUTO, estimate_white, settle_white
-from . import lights, materials, openness, optics, sky_light, textures, working_space
+from . import bake as sky_bake
+from . import bounce, lights, materials, openness, optics, sky_light, textures, working_space
 from . import settings as world_settings
 from . import world as worlds
 
@@ -57,6 +58,8 @@ class Settings:
     lies under the materials, else the HDRI's."""
     occlusion: str = lights.OPEN
     """Shadows of the sky: `lights.OPEN` for none, `lights.DOME`, or `lights.BAKED`."""
+    bounce: bool = False
+    """Whether baked light holds what one bounce between materials brings."""
     gloss: bool = False
     """Whether materials keep gloss and metal over their measured base."""
 
@@ -216,7 +219,10 @@ def make_spectral(
             reflectance_name=name,
             reflectance_hash=reflectance_hash(rho),
             extra={**_plain(result), "unknown": prediction.unknown, "values": rho.tolist()},
-            reflected={name: rgb[k] for name, rgb in reflected.items()},
+            reflected={
+                **{name: rgb[k] for name, rgb in reflected.items()},
+                **found.bounced(material.name_full, rho),
+            },
             gloss=settings.gloss or metal is not None,
             textured=material in textured,
         )
@@ -229,7 +235,8 @@ def make_spectral(
         managed = materials.managed(material)
         assert managed is not None
         name, rho = _kept(material)
-        materials.update(material, managed.matrix, found.reflected(rho))
+        given = {**found.reflected(rho), **found.bounced(material.name_full, rho)}
+        materials.update(material, managed.matrix, given)
         if (varied := textures.varied(material, name, rho)) is not None:
             materials.set_texture(material, textures.values(found, varied))
     warned = lights.refresh(world)
@@ -252,13 +259,14 @@ def _lights(
         if material not in known:
             known[material] = _kept(material)[1]
     ground, reflectance = settings.ground, None
-    if ground in (AUTO, "modelled") and scene is not None:
+    baked = settings.occlusion == lights.BAKED
+    if ground == AUTO and (baked or scene is None):
+        ground = "hdri"  # of which a bake knows how much geometry hides
+    elif ground in (AUTO, "modelled") and scene is not None:
         covered, below = openness.ground_below(scene, list(known))
         reflectance = known.get(below) if below is not None else None
         if ground == AUTO:
             ground = "modelled" if covered else "hdri"
-    elif ground == AUTO:
-        ground = "hdri"
     return lights.find(
         light,
         transfer,
@@ -268,7 +276,25 @@ def _lights(
         ground=ground,
         ground_reflectance=reflectance,
         occlusion=settings.occlusion,
+        neighbours=_neighbours(known) if baked and settings.bounce else None,
     )
+
+
+def _neighbours(
+    known: Mapping[bpy.types.Material, NDArray[np.float64]],
+) -> dict[str, NDArray[np.float64]]:
+    """Return of each material's name what its two kinds of neighbours reflect, (2, 81)."""
+    rho = {material.name_full: values for material, values in known.items()}
+    dark = np.zeros(81)
+    return {
+        name: np.stack(
+            [
+                rho.get(by.first, dark),
+                sum((part * rho.get(other, dark) for other, part in by.others.items()), dark),
+            ]
+        )
+        for name, by in bounce.neighbours().items()
+    }
 
 
 def _kept(material: bpy.types.Material) -> tuple[str, NDArray[np.float64]]:
@@ -277,6 +303,39 @@ def _kept(material: bpy.types.Material) -> tuple[str, NDArray[np.float64]]:
     if managed is None:
         raise InputError(f'material "{material.name}"', "has no reflectance yet", "apply one first")
     return managed.reflectance_name, np.array(managed.extra["values"])
+
+
+def bake(
+    world: bpy.types.World,
+    settings: Settings,
+    objects: Collection[bpy.types.Object] | None = None,
+    **options: Any,
+) -> Generator[sky_bake.Progress, None, list[str]]:
+    """Bake what objects see of the sky, and bounces where wanted, yielding how far it is.
+
+    Of the active scene, None for all its managed objects; ``options`` as `bake.bake` has them.
+    Returns lines to say; `update` then lights it.
+    """
+    lines = []
+    work = sky_bake.bake(objects, **options)
+    share = 0.7 if settings.bounce else 1.0
+    while True:
+        try:
+            progress = next(work)
+        except StopIteration as end:
+            lines += end.value
+            break
+        yield sky_bake.Progress(share * progress.done, progress.line)
+    if settings.bounce:
+        for done in bounce.bounce(_towards_sun(world, settings)):
+            yield sky_bake.Progress(share + (1.0 - share) * done, "one bounce")
+    return lines
+
+
+def _towards_sun(world: bpy.types.World, settings: Settings) -> NDArray[np.float64] | None:
+    """Return where a World's sun stands, (3,), None without one that shines."""
+    sun = _analyse(world, settings).sun if settings.sun else None
+    return None if sun is None else worlds.in_world(worlds.sky_of(world), sun.direction)
 
 
 def with_estimated_white(world: bpy.types.World | None, settings: Settings) -> tuple[Settings, str]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from mathutils import Euler
 
 from ...node_groups import spectral_matrix
 from ...node_groups import tree as groups
@@ -110,6 +111,13 @@ def _mapping(place: str, texture: bpy.types.Node) -> bpy.types.Node | None:
             "use Texture Coordinate Generated, with at most a Mapping between",
         )
     return mapping
+
+
+def in_world(sky: WorldSky, direction: np.ndarray) -> np.ndarray:
+    """Where in the world a direction (3,) of the HDRI stands as the World is turned now."""
+    turn = Euler(sky.rotation, "XYZ").to_matrix()
+    turn = turn if sky.inverse else turn.transposed()
+    return np.array(turn) @ direction
 
 
 def value_path(world: bpy.types.World, node: str, socket: str) -> str:

@@ -7,7 +7,7 @@ import time
 import bpy
 
 from ..errors import InputError
-from . import operator, update
+from . import operator, properties, update
 
 SLICE = 0.15  # seconds of work between two looks at the keyboard
 
@@ -41,11 +41,11 @@ class SKYLIGHT_OT_bake(operator.Thin, bpy.types.Operator):
     def run(self, context):
         from ..scene import bake
 
-        return self.finish(context, bake.run(self.work()))
+        return self.finish(context, bake.run(self.work(context)))
 
     def invoke(self, context, event):
         """Start, and work on between events until done."""
-        self.generator = self.work()
+        self.generator = self.work(context)
         manager = context.window_manager
         self.timer = manager.event_timer_add(SLICE / 10, window=context.window)
         manager.progress_begin(0, 100)
@@ -79,12 +79,15 @@ class SKYLIGHT_OT_bake(operator.Thin, bpy.types.Operator):
         self.generator.close()
         self.tidy(context)
 
-    def work(self):
+    def work(self, context):
         """The generator that bakes, as the properties say."""
-        from ..scene import bake
+        from ..scene import bake, spectral
 
+        world = context.scene.world
         rays = max(32, self.rays // 32 * 32) if self.rays else None
-        return bake.bake(bake.targets(self.selected), rays=rays, changed_only=self.changed)
+        chosen = bake.targets(self.selected)
+        settings = properties.settings_of(world)
+        return spectral.bake(world, settings, chosen, rays=rays, changed_only=self.changed)
 
     def tidy(self, context):
         """Take timer, progress and status text away."""

@@ -209,6 +209,12 @@ class SkylightNumbers(bpy.types.PropertyGroup):
         name="Sky Shadows",
         description="How geometry that hides the sky darkens materials",
     )
+    bounce: _stored_bool(
+        "bounce",
+        False,
+        name="Bounce",
+        description="Bake the light that one bounce between spectral materials brings too",
+    )
     gloss: _stored_bool(
         "gloss",
         False,
