@@ -8,15 +8,17 @@ wall.
 import math
 
 import numpy as np
+import OpenEXR
 import pytest
 
 bpy = pytest.importorskip("bpy")
 from bpy_extras.object_utils import world_to_camera_view  # noqa: E402
 from mathutils import Vector  # noqa: E402
 
-from spectral_skylight.addon.scene import materials, nodes, sky_light  # noqa: E402
+from spectral_skylight.addon.scene import materials, nodes, render, sky_light  # noqa: E402
 from spectral_skylight.addon.scene import world as worlds  # noqa: E402
 from spectral_skylight.addon.sky.panorama import write_panorama  # noqa: E402
+from spectral_skylight.node_groups import skylight_surface  # noqa: E402
 from spectral_skylight.node_groups import tree as groups  # noqa: E402
 from spectral_skylight.tests import faces  # noqa: E402
 
@@ -175,3 +177,39 @@ def test_managed_surfaces_are_no_lamps_to_cycles(scene):
     wall.cycles.emission_sampling = "NONE"
     # 9 pixels of 256 samples each.
     np.testing.assert_allclose(means["NONE"], means["AUTO"], rtol=0.05)
+
+
+@pytest.mark.parametrize("engine", ["cycles", "eevee"])
+def test_passes(scene, engine):
+    """Irradiance and reflectance where a view layer asks for them; albedo is empty."""
+    scene, folder = scene
+    layer = scene.view_layers[0]
+    names = (skylight_surface.IRRADIANCE, skylight_surface.REFLECTANCE)
+    for name in names:
+        layer.aovs.add().name = name
+    layer.use_pass_diffuse_color = layer.use_pass_emit = True
+    scene.render.engine = render.engine_id(engine)
+    scene.cycles.samples = scene.eevee.taa_render_samples = 4
+    image = scene.render.image_settings
+    if hasattr(image, "media_type"):
+        image.media_type = "MULTI_LAYER_IMAGE"
+    image.file_format, image.color_depth = "OPEN_EXR_MULTILAYER", "32"
+    scene.render.filepath = str(folder / f"{engine}.exr")
+    bpy.ops.render.render(write_still=True)
+    parts = OpenEXR.File(scene.render.filepath, separate_channels=True).parts
+    found = {name: channel.pixels for part in parts for name, channel in part.channels.items()}
+
+    def seen(*names):
+        """The wall in the pass that this Blender calls one of these names."""
+        name = next(name for name in names if f"ViewLayer.{name}.R" in found)
+        picture = np.stack([found[f"ViewLayer.{name}.{c}"] for c in "RGB"], axis=-1)
+        return looked_at(picture, scene, (0, 2, 1.5))
+
+    np.testing.assert_allclose(seen(names[0]), 1.0, rtol=0.002)
+    np.testing.assert_allclose(seen(names[1]), WALL, rtol=0.002)
+    np.testing.assert_allclose(seen("Emission", "Emit"), WALL, rtol=0.002)
+    assert not seen("Diffuse Color", "DiffCol").any()
+    while layer.aovs:
+        layer.aovs.remove(layer.aovs[0])
+    if hasattr(image, "media_type"):
+        image.media_type = "IMAGE"
