@@ -129,6 +129,7 @@ def save_scene(path: Path) -> None:
     scene = bpy.context.scene
     scene.render.engine = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
     scene.eevee.taa_render_samples = 64
+    scene.eevee.light_threshold = 1e-4  # else Eevee drops lamps as faint as dusk
     scene.view_settings.view_transform = "Standard"
     bpy.context.preferences.filepaths.save_version = 0
     bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)

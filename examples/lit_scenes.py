@@ -301,7 +301,12 @@ SCENES = {
         "A courtyard that sees a piece of the sky", 30, 200, courtyard, options=BAKED
     ),
     "bounce": Example(
-        "Red wall, green lawn: light that has bounced once", 50, 170, bounce, True, options=BOUNCED
+        "Red wall, green lawn: light that has bounced once",
+        50,
+        170,
+        bounce,
+        sunlit=True,
+        options=(*BAKED, "--bounce", "--ground", "hdri"),
     ),
     "dusk": Example(
         "After sunset, with a warm LED and a sodium lamp", -2, 300, dusk, options=BAKED

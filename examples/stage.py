@@ -173,8 +173,9 @@ def _material(name: str, matter: Matter, palette: Palette) -> bpy.types.Material
 
 
 def _pane(tree: bpy.types.NodeTree, colour: np.ndarray, ior: float) -> bpy.types.Node:
-    """Return thin glass: Fresnel's share is mirrored, the rest goes straight on, tinted."""
-    mirrored = ((ior - 1) / (ior + 1)) ** 2
+    """Return thin glass: both faces mirror their share, the rest goes straight on, tinted."""
+    one_face = ((ior - 1) / (ior + 1)) ** 2
+    mirrored = 2 * one_face / (1 + one_face)
     # The Fresnel node turns the index round where a face is seen from behind, as if inside glass;
     # a thin pane is the same from both sides.
     behind = tree.nodes.new("ShaderNodeNewGeometry").outputs["Backfacing"]
@@ -190,7 +191,15 @@ def _pane(tree: bpy.types.NodeTree, colour: np.ndarray, ior: float) -> bpy.types
     mirror.inputs["Roughness"].default_value = 0.0
     mirror.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     mix = tree.nodes.new("ShaderNodeMixShader")
-    tree.links.new(fresnel.outputs[0], mix.inputs[0])
+    # 2 F / (1 + F), the light going to and fro between the faces.
+    twice, more, both = (tree.nodes.new("ShaderNodeMath") for _ in range(3))
+    for node, operation, value in ((twice, "MULTIPLY", 2.0), (more, "ADD", 1.0)):
+        node.operation, node.inputs[1].default_value = operation, value
+        tree.links.new(fresnel.outputs[0], node.inputs[0])
+    both.operation = "DIVIDE"
+    tree.links.new(twice.outputs[0], both.inputs[0])
+    tree.links.new(more.outputs[0], both.inputs[1])
+    tree.links.new(both.outputs[0], mix.inputs[0])
     tree.links.new(clear.outputs[0], mix.inputs[1])
     tree.links.new(mirror.outputs[0], mix.inputs[2])
     return mix

@@ -158,8 +158,11 @@ def test_a_pane_tints_what_is_behind_it():
     inside = np.sqrt(1 - sin**2)
     s = ((np.cos(theta) - 1.5 * inside) / (np.cos(theta) + 1.5 * inside)) ** 2
     p = ((1.5 * np.cos(theta) - inside) / (1.5 * np.cos(theta) + inside)) ** 2
-    in_all = (weights * (1 - (s + p) / 2)).sum() / 0.96  # of light from everywhere
+    mirrored = (s + p) / 2  # the mean of polarisations first, as renderers do
+    mirrored = 2 * mirrored / (1 + mirrored)
+    straight = 2 * 0.04 / 1.04
+    in_all = (weights * (1 - mirrored)).sum() / (1 - straight)  # of light from everywhere
     rho = lit_scenes.reflectance("red")
-    exact = bands.S @ (0.04 * BLUE + tau * rho * tau * in_all * BLUE)
+    exact = bands.S @ (straight * BLUE + tau * rho * tau * in_all * BLUE)
     # Noise; and bands of a product of three curves.
     np.testing.assert_allclose(middle(verdict.spectral), exact, rtol=0.02)
