@@ -408,3 +408,28 @@ def test_the_foot_of_a_wall_casts_no_shadow_inside_out():
     assert np.count_nonzero(beside) > 3
     # A long wall hides half the sky from its foot, this short one less.
     assert np.all(fine.mean(share)[beside] > 0.49)
+
+
+def test_a_bake_survives_saving_purging_and_loading(tmp_path):
+    faces.empty_scene()
+    obj = box("Wall", (0, 0, 1), (2, 2, 2), material())
+    bake.run(bake.bake(rays=64))
+    values, _ = sky_share(obj)
+    bpy.ops.outliner.orphans_purge(do_recursive=True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "baked.blend"))
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "baked.blend"))
+    obj = bpy.data.objects["Wall"]
+    assert np.all(flags(obj))
+    np.testing.assert_array_equal(sky_share(obj)[0], values)
+    assert bake.stale() == []
+    # A copy shares the bake until it gets its own; taking that away leaves the first one's.
+    twin = obj.copy()
+    twin.location.x = 5.0
+    bpy.context.scene.collection.objects.link(twin)
+    bpy.context.view_layer.update()
+    assert set(bake.stale()) == {obj, twin}
+    bake.run(bake.bake([twin], rays=64))
+    assert bake_mesh.bake_of(twin) != bake_mesh.bake_of(obj)
+    assert bake.remove([twin]) == 1
+    assert np.all(flags(obj))
