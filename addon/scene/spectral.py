@@ -240,6 +240,9 @@ def make_spectral(
         if (varied := textures.varied(material, name, rho)) is not None:
             materials.set_texture(material, textures.values(found, varied))
     warned = lights.refresh(world)
+    for material in reflectances:
+        if missing := materials.look_of(material).left_out:
+            warned.append(f"{material.name}: not shown while it is spectral: {', '.join(missing)}")
     warned += optics.refresh(lights.scenes_of(world), light, choice.transfer)
     sky_light.describe(world, {**description, "lights": [*found.lines, *warned]})
     return light, results

@@ -89,6 +89,8 @@ def test_update_follows_the_HDRI(scene, brick, tmp_path):
         bpy.ops.skylight.update()
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     (tmp_path / "brick.csv").unlink()  # the blend file knows the reflectance
+    scene.world.skylight.ground = "none"  # else of a turquoise one its light is taken apart
+    bpy.ops.skylight.update()
     before = sky_light.coefficients_of(scene.world)
     image = bpy.data.images.load(str(write_sky(tmp_path / "no sun.exr", turquoise=2.0, sun=0)))
     scene.world.node_tree.nodes["Environment Texture"].image = image
