@@ -97,7 +97,17 @@ def bake(
         if kept is not None:
             surroundings.remember(kept, obj.name_full, found)
             baked += 1
-    return [*lines, f"{baked} object(s) baked"]
+    return [*lines, *_instancers(), f"{baked} object(s) baked"]
+
+
+def _instancers() -> list[str]:
+    """A line for each object that shows a collection of spectral things: one mesh, many places."""
+    return [
+        f'object "{obj.name}" shows a collection under the open sky: make its instances real'
+        for obj in bpy.context.view_layer.objects
+        if obj.instance_type == "COLLECTION" and obj.instance_collection is not None
+        if any(bake_object.managed_slots(part) for part in obj.instance_collection.all_objects)
+    ]
 
 
 def run(work: Generator[Progress, None, list[str]]) -> list[str]:

@@ -19,12 +19,21 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...node_groups.skylight_surface import Features
+from ..sky.dome import dome
 from ..sky.panorama import write_panorama
-from . import materials, nodes, render, sky_light
+from . import dome_lamps, materials, nodes, render, sky_light, sun_lamp
 from . import world as worlds
 
 OURS = "Skylight Surface"
 """All degrees, and scalar, diagonal and 3x3 alike: one topology, whose values alone change."""
+
+LIT = {
+    "Skylight Surface, sun": Features(probe=True),
+    "Skylight Surface, baked": Features("baked"),
+    "Skylight Surface, dome": Features("dome", probe=True),
+}
+"""With the light that scenes have; in each a lamp or those of a dome shine on it."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +51,7 @@ def sample_costs(
     size: int = 1024, samples: tuple[int, int] = (1, 3), rounds: int = 3
 ) -> Iterator[dict[str, Cost]]:
     """Yield after each round the cost of every material so far: Diffuse, Principled, Emission,
-    an irradiance texture looked up by the normal, and `OURS`.
+    an irradiance texture looked up by the normal, `OURS` and `LIT`.
 
     Renders ``size`` by ``size`` pixels with few and many ``samples``, in a scene of its own, which
     goes again. In small pictures a sample costs what Eevee does for each, whatever it shades.
@@ -62,6 +71,8 @@ def sample_costs(
 
     def seconds(material: bpy.types.Material, count: int) -> NDArray[np.float64]:
         shown.material_slots[0].material = material
+        for lamp in (obj for obj in scene.objects if obj.type == "LIGHT"):
+            lamp.hide_render = lamp[sun_lamp.KEY] != lit_by.get(material.name)
         scene.eevee.taa_render_samples = count
         start = np.array([time.perf_counter(), time.process_time()])
         bpy.ops.render.render(scene=scene.name)
@@ -76,8 +87,14 @@ def sample_costs(
             "Principled": _plain("ShaderNodeBsdfPrincipled"),
             "Emission": _plain("ShaderNodeEmission"),
             "irradiance texture": _texture(worlds.sky_of(world).image),
-            OURS: _ours(world),
+            OURS: _ours(world, OURS, Features()),
+            **{name: _ours(world.copy(), name, features) for name, features in LIT.items()},
         }
+        with_sun, _, with_dome = LIT
+        lit_by = {with_sun: sun_lamp.SUN, with_dome: dome_lamps.DOME}
+        shown.material_slots[0].material = kinds[OURS]  # what lamps shine on is told by it
+        sun_lamp.place(scene, np.array([0.0, 0.6, 0.8]), np.ones(3), 1.0)
+        dome_lamps.place(scene, dome(np.ones((8, 16, 3))))
         try:
             for material in kinds.values():
                 seconds(material, 1)  # compiles
@@ -87,6 +104,7 @@ def sample_costs(
                     found[name].append([seconds(material, count) for count in samples])
                 yield _costs(found, samples[1] - samples[0])
         finally:
+            sun_lamp.remove(scene, (sun_lamp.SUN, dome_lamps.DOME, sun_lamp.TURN))
             bpy.data.batch_remove([*kinds.values(), shown, scene.camera, plane, camera])
             bpy.data.scenes.remove(scene)
 
@@ -138,8 +156,9 @@ def _texture(image: bpy.types.Image) -> bpy.types.Material:
     return material
 
 
-def _ours(world: bpy.types.World) -> bpy.types.Material:
-    material = bpy.data.materials.new(OURS)
+def _ours(world: bpy.types.World, name: str, features: Features) -> bpy.types.Material:
+    material = bpy.data.materials.new(name)
+    sky_light.ensure(world, features)
     materials.apply(material, world, 0.5 * np.eye(3), reflectance_name="", reflectance_hash="")
     sky_light.set_coefficients(world, np.full((49, 3), 0.02))
     return material

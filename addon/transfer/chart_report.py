@@ -27,7 +27,10 @@ _IN_EEVEE = {
     "Diffuse": ("Eevee's own world light", _TODAY),
     "Principled": ("Eevee's own world light", _TODAY),
     "irradiance texture": ("texture 64 × 32", _TODAY),
-    "Skylight Surface": ("degree 6", "atmosphere, colour and elevation known"),
+    **{
+        f"Skylight Surface{light}": ("degree 6", "atmosphere, colour and elevation known")
+        for light in ("", ", sun", ", baked", ", dome")
+    },
 }
 """Which light and which shading a material in Eevee amounts to."""
 

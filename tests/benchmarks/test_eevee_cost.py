@@ -27,6 +27,7 @@ def test_sample_cost(benchmark, capsys):
                     f"{name:19s} {one.ms_wall:7.1f} ms wall, {one.ms_processor:7.1f} ms processor; "
                     f"{one.wall_ratio:.3f} and {one.ratio:.3f} of Diffuse"
                 )
-    assert {"Diffuse", "Principled", "Emission", "irradiance texture", cost.OURS} == set(costs)
+    others = {"Diffuse", "Principled", "Emission", "irradiance texture"}
+    assert set(costs) == {*others, cost.OURS, *cost.LIT}
     assert costs["Diffuse"].ratio == costs["Diffuse"].wall_ratio == 1.0
     assert before == [len(data) for data in (bpy.data.scenes, bpy.data.materials, bpy.data.objects)]
