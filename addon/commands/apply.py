@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Generator
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -115,38 +116,14 @@ def _bake(work: Generator[Any, None, list[str]]) -> list[str]:
             bar.update(progress.done - bar.n)
 
 
-def run(options: argparse.Namespace) -> None:
-    """Write the blend file, and print what each material was given."""
-    from ..scene import (
-        files,
-        lamps,
-        lights,
-        materials,
-        optics,
-        sky_light,
-        spectral,
-        textures,
-        working_space,
-    )
-    from ..spectra.reflectance import read_assigned
-    from ..spectra.refraction import read_nk
-    from ..transfer.metals import conductor
+def _settings(options: argparse.Namespace) -> Any:
+    """Return the `spectral.Settings` of the options; a white to be found is left open."""
+    from ..scene import lights, spectral
     from ..transfer.white import AUTO
 
-    if not (options.assign or options.estimate or options.metal):
-        raise InputError("--assign", "names no material", "give MATERIAL=FILE.csv or --estimate")
-    given = [name for name, _ in (*options.assign, *options.metal, *options.glass)]
-    given += options.estimate
-    for name in given:
-        if given.count(name) > 1:
-            raise InputError(f"--assign {name}", "is given twice", "give each material once")
-    reflectances = {name: read_assigned(text, options.unit) for name, text in options.assign}
-    metals = {name: read_nk(text) for name, text in options.metal}
-    for name, text in options.metal:
-        reflectances[name] = (text, conductor(*metals[name]))
-    glazings = {name: read_assigned(text, options.unit) for name, text in options.glass}
-    behind = {name: read_assigned(text, options.unit) for name, text in options.behind}
-    settings = spectral.Settings(
+    if options.bounce and options.occlusion != lights.BAKED:
+        raise InputError("--bounce", "is part of a bake", "add --occlusion baked")
+    return spectral.Settings(
         basis=basis_name(options),
         camera=options.camera,
         white=None if options.white == AUTO else options.white,
@@ -158,8 +135,76 @@ def run(options: argparse.Namespace) -> None:
         bounce=options.bounce,
         gloss=options.gloss,
     )
-    if options.bounce and options.occlusion != lights.BAKED:
-        raise InputError("--bounce", "is part of a bake", "add --occlusion baked")
+
+
+@dataclass(frozen=True)
+class _Spectra:
+    """What the options' files hold, by the names of materials, read before the scene is opened.
+
+    Reflectances and transmittances (name, (81,)); n and k (81,) of metals.
+    """
+
+    reflectances: dict[str, Any]
+    metals: dict[str, Any]
+    glazings: dict[str, Any]
+    behind: dict[str, Any]
+
+
+def _read(options: argparse.Namespace) -> _Spectra:
+    from ..spectra.reflectance import read_assigned
+    from ..spectra.refraction import read_nk
+    from ..transfer.metals import conductor
+
+    if not (options.assign or options.estimate or options.metal):
+        raise InputError("--assign", "names no material", "give MATERIAL=FILE.csv or --estimate")
+    given = [name for name, _ in (*options.assign, *options.metal, *options.glass)]
+    given += options.estimate
+    for name in given:
+        if given.count(name) > 1:
+            raise InputError(f"--assign {name}", "is given twice", "give each material once")
+    curves = [
+        {name: read_assigned(text, options.unit) for name, text in pairs}
+        for pairs in (options.assign, options.glass, options.behind)
+    ]
+    metals = {name: read_nk(text) for name, text in options.metal}
+    for name, text in options.metal:
+        curves[0][name] = (text, conductor(*metals[name]))
+    return _Spectra(curves[0], metals, *curves[1:])
+
+
+def _targets(options: argparse.Namespace, spectra: _Spectra) -> dict[Any, Any]:
+    """Return the open file's materials and their reflectances (name, (81,))."""
+    from ..scene import files, textures
+
+    targets = {files.material(name): given for name, given in spectra.reflectances.items()}
+    for name in options.estimate:
+        material = files.material(name)
+        targets[material] = (textures.ESTIMATED, textures.estimated(material))
+    for name, (glass, transmittance) in spectra.behind.items():
+        if (material := files.material(name)) not in targets:
+            raise InputError(f"--behind {name}", "has no reflectance", "give it one by --assign")
+        reflectance, values = targets[material]
+        targets[material] = (f"{reflectance} behind {glass}", values * transmittance)
+    return targets
+
+
+def _metals(spectra: _Spectra) -> dict[Any, Any]:
+    """Return the open file's materials that are metals, with n and k."""
+    from ..scene import files, materials
+
+    metals = {files.material(name): nk for name, nk in spectra.metals.items()}
+    for material in metals:
+        if not materials.look_of(material).metal:
+            raise InputError(f"--metal {material.name}", "shows none", "set its Metallic to 1")
+    return metals
+
+
+def run(options: argparse.Namespace) -> None:
+    """Write the blend file, and print what each material was given."""
+    from ..scene import files, lamps, lights, optics, sky_light, spectral, working_space
+    from ..transfer.white import AUTO
+
+    spectra, settings = _read(options), _settings(options)
     scene = files.open_scene(options.scene)
     if options.space not in (None, working_space.name()):
         raise InputError(
@@ -177,23 +222,11 @@ def run(options: argparse.Namespace) -> None:
     if options.white == AUTO:
         settings, line = spectral.with_estimated_white(scene.world, settings)
         said.append(line)
-    targets = {files.material(name): given for name, given in reflectances.items()}
-    for name in options.estimate:
-        material = files.material(name)
-        targets[material] = (textures.ESTIMATED, textures.estimated(material))
-    for name, (glass, transmittance) in behind.items():
-        if (material := files.material(name)) not in targets:
-            raise InputError(f"--behind {name}", "has no reflectance", "give it one by --assign")
-        reflectance, values = targets[material]
-        targets[material] = (f"{reflectance} behind {glass}", values * transmittance)
-    shown = {files.material(name): nk for name, nk in metals.items()}
-    for material in shown:
-        if not materials.look_of(material).metal:
-            raise InputError(f"--metal {material.name}", "shows none", "set its Metallic to 1")
+    targets, metals = _targets(options, spectra), _metals(spectra)
     world = spectral.develop(scene, settings)
-    for name, (glass, transmittance) in glazings.items():
+    for name, (glass, transmittance) in spectra.glazings.items():
         optics.glaze(files.material(name), glass, transmittance)
-    light, results = spectral.make_spectral(world, targets, settings, shown)
+    light, results = spectral.make_spectral(world, targets, settings, metals)
     if settings.occlusion == lights.BAKED:
         said += _bake(spectral.bake(world, settings))
         light, results = spectral.update(world, settings, targets)

@@ -24,7 +24,10 @@ from . import bake_mesh, bake_object, visibility
 from . import rays as casting
 
 NEIGHBOURS = "spectral_skylight_neighbours"  # on the modifier's group, as JSON
+SUN = "spectral_skylight_bounced_sun"  # beside it: where the sun stood
 TERMS = 9
+MOVED = 3.0
+"""[degrees] that the sun may move until its bounced light is out of date: a quarter of an hour."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,16 @@ def neighbours() -> dict[str, Neighbours]:
     trees = names.groups.of_kind(sky_bake.KIND)
     kept = json.loads(trees[0].get(NEIGHBOURS, "{}")) if trees else {}
     return {name: Neighbours(**each) for name, each in kept.items()}
+
+
+def is_stale(sun: NDArray | None) -> bool:
+    """Whether the sun, (3,) or None, stands elsewhere than when bounces were last baked."""
+    trees = names.groups.of_kind(sky_bake.KIND)
+    before = list(trees[0].get(SUN, ())) if trees else []
+    if sun is None or not before:
+        return (sun is None) != (not before)
+    cosine = np.dot(sun, before) / np.linalg.norm(sun) / np.linalg.norm(before)
+    return bool(cosine < np.cos(np.radians(MOVED)))
 
 
 def bounce(
@@ -82,7 +95,9 @@ def bounce(
         total = sum(row.values())
         others = {name: float(weight / total) for name, weight in row.items() if weight > 0.0}
         found[materials[index]] = Neighbours(materials[first[index]], others)
-    sky_bake.ensure()[NEIGHBOURS] = json.dumps({name: vars(each) for name, each in found.items()})
+    tree = sky_bake.ensure()
+    tree[NEIGHBOURS] = json.dumps({name: vars(each) for name, each in found.items()})
+    tree[SUN] = [] if sun is None else [float(part) for part in sun]
     return found
 
 

@@ -240,6 +240,8 @@ def make_spectral(
         if (varied := textures.varied(material, name, rho)) is not None:
             materials.set_texture(material, textures.values(found, varied))
     warned = lights.refresh(world)
+    if found.features.bounce and bounce.is_stale(_towards_sun(world, light, settings)):
+        warned.append("the sun has moved since its bounce was baked: bake again")
     for material in reflectances:
         if missing := materials.look_of(material).left_out:
             warned.append(f"{material.name}: not shown while it is spectral: {', '.join(missing)}")
@@ -330,14 +332,16 @@ def bake(
             break
         yield sky_bake.Progress(share * progress.done, progress.line)
     if settings.bounce:
-        for done in bounce.bounce(_towards_sun(world, settings)):
+        for done in bounce.bounce(_towards_sun(world, _analyse(world, settings), settings)):
             yield sky_bake.Progress(share + (1.0 - share) * done, "one bounce")
     return lines
 
 
-def _towards_sun(world: bpy.types.World, settings: Settings) -> NDArray[np.float64] | None:
+def _towards_sun(
+    world: bpy.types.World, light: SkyLight, settings: Settings
+) -> NDArray[np.float64] | None:
     """Return where a World's sun stands, (3,), None without one that shines."""
-    sun = _analyse(world, settings).sun if settings.sun else None
+    sun = light.sun if settings.sun else None
     return None if sun is None else worlds.in_world(worlds.sky_of(world), sun.direction)
 
 
