@@ -11,6 +11,7 @@ import json
 import os
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import bands
@@ -72,6 +73,13 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
             command("render", out / "scene.blend", "--out", out / "eevee.exr")
         with timed(seconds, "spectral"):
             relight(stage, example, out)
+        beside = {}
+        for other, options in example.beside.items():
+            folder = out / other.replace(" ", "_")
+            folder.mkdir(exist_ok=True)
+            with timed(seconds, other):
+                relight(stage, replace(example, options=options), out, folder)
+            beside[other] = pictures.read(folder / "spectral.exr")
     images = {
         "rgb": verdict.rgb,
         "eevee": pictures.read(out / "eevee.exr"),
@@ -85,6 +93,7 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
         "blender": bpy.app.version_string,
         "how": judging.HOW,
         **{kind: judging.errors(images[kind], verdict, where) for kind in TITLES},
+        "beside": {k: judging.errors(image, verdict, where) for k, image in beside.items()},
         "referee": {
             "noise": judging.noise(verdict, where),
             "samples": 2 * samples,
@@ -135,8 +144,9 @@ def save_scene(path: Path) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
 
 
-def relight(stage: Stage, example: Example, out: Path) -> None:
-    """Make the scene spectral, and render it, by the command line alone."""
+def relight(stage: Stage, example: Example, out: Path, to: Path | None = None) -> None:
+    """Make the scene spectral, and render it, by the command line alone; ``to``: into a folder."""
+    to = to or out
     options = [*example.options, "--sun-elevation", example.elevation]
 
     def given(option: str, file: str, spectra: dict[str, np.ndarray]) -> None:
@@ -160,8 +170,8 @@ def relight(stage: Stage, example: Example, out: Path) -> None:
             file = out / f"{name}.nk.csv"
             write_csv(file, dict(zip("nk", m.metal, strict=True)))
             options += ["--metal", f"{name}={file}"]
-    command("apply", out / "scene.blend", *options, "--out", out / "skylight.blend")
-    command("render", out / "skylight.blend", "--engine", "eevee", "--out", out / "spectral.exr")
+    command("apply", out / "scene.blend", *options, "--out", to / "skylight.blend")
+    command("render", to / "skylight.blend", "--engine", "eevee", "--out", to / "spectral.exr")
 
 
 def write_csv(path: Path, columns: dict[str, np.ndarray]) -> None:
@@ -195,8 +205,10 @@ def save_pictures(out, images, verdict, where, report) -> None:
 def told(report: dict) -> list[str]:
     """Return what a report says, in lines."""
     lines = [report["shows"]]
-    for kind, name in TITLES.items():
-        whole, colour = (report[kind][key] for key in ("delta_E", "colour"))
+    judged = {name: report[kind] for kind, name in TITLES.items()}
+    judged |= {f"Ours, {name}": errors for name, errors in report["beside"].items()}
+    for name, errors in judged.items():
+        whole, colour = (errors[key] for key in ("delta_E", "colour"))
         lines.append(
             f"{name}: CIEDE2000 mean {whole['mean']:.2f}, p95 {whole['p95']:.2f}, "
             f"worst {whole['worst']:.2f}; colour alone {colour['mean']:.2f}, {colour['p95']:.2f}, "

@@ -4,7 +4,7 @@ Each is what an architect would build to see one thing. `SCENES` is the table. M
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import bands
 import colour
@@ -39,7 +39,7 @@ class Example:
 
     ``azimuth`` of the sun from north; ``shows``: one sentence for the report; ``sunlit``: whether
     the HDRI holds the sun's disc; ``ground``: what its lower half reflects, by `CHECKER`'s name;
-    ``options``: of the command `apply`.
+    ``options``: of the command `apply`; ``beside``: those of other ways, judged as well.
     """
 
     shows: str
@@ -49,6 +49,7 @@ class Example:
     sunlit: bool = False
     ground: str = "neutral 5 (.70 D)"
     options: tuple[str, ...] = ()
+    beside: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def paint(name: str) -> Matter:
@@ -298,7 +299,12 @@ BOUNCED = *BAKED, "--bounce"
 SCENES = {
     "sun": Example("Sun and sky, and a tower's shadow", 15, 235, sun, sunlit=True, options=BAKED),
     "courtyard": Example(
-        "A courtyard that sees a piece of the sky", 30, 200, courtyard, options=BAKED
+        "A courtyard that sees a piece of the sky",
+        30,
+        200,
+        courtyard,
+        options=BAKED,
+        beside={"live shadows": ("--occlusion", "dome"), "open sky": ()},
     ),
     "bounce": Example(
         "Red wall, green lawn: light that has bounced once",
