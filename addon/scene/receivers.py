@@ -18,6 +18,9 @@ _NO_DIFFUSE |= {"BSDF_ANISOTROPIC", "EMISSION", "HOLDOUT", "MIX_SHADER", "ADD_SH
 """Shaders that a lamp without a specular share does not light in Eevee."""
 
 
+_SOLID = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "VOLUME"}
+
+
 def find(scene: bpy.types.Scene) -> bpy.types.Collection | None:
     """The collection of a scene's receivers, None before it has one."""
     linked = (obj.light_linking.receiver_collection for obj in scene.objects if obj.type == "LIGHT")
@@ -30,7 +33,7 @@ def ensure(scene: bpy.types.Scene) -> bpy.types.Collection:
     if collection is None:
         collection = bpy.data.collections.new("Skylight Receivers")
         collection[KEY] = True
-    wanted = {obj for obj in scene.objects if _receives(obj)}
+    wanted = {obj for obj, parts in _shown(scene).items() if _receives(parts)}
     for obj in set(collection.objects) - wanted:
         collection.objects.unlink(obj)
     for obj in wanted - set(collection.objects):
@@ -40,15 +43,35 @@ def ensure(scene: bpy.types.Scene) -> bpy.types.Collection:
 
 def mixed(scene: bpy.types.Scene) -> list[bpy.types.Object]:
     """Objects that get neither sun nor lamps: beside managed materials they have others."""
-    return [obj for obj in scene.objects if _has_managed(obj) and not _receives(obj)]
+    return [
+        obj
+        for obj, parts in _shown(scene).items()
+        if any(map(_has_managed, parts)) and not _receives(parts)
+    ]
 
 
-def _receives(obj: bpy.types.Object) -> bool:
-    """Whether an object, or the collection that it shows, has managed materials and no others."""
-    if obj.instance_type == "COLLECTION" and obj.instance_collection is not None:
-        shown = [part for part in obj.instance_collection.all_objects if part.type == "MESH"]
-        return any(map(_has_managed, shown)) and not any(map(_burns, shown))
-    return _has_managed(obj) and not _burns(obj)
+def _shown(scene: bpy.types.Scene) -> dict[bpy.types.Object, set[bpy.types.Object]]:
+    """Of each object of a scene what it shows: itself and its instances, whatever makes them.
+
+    Light linking of an instance goes by the object that makes it. Only of the active scene are
+    instances known that modifiers make.
+    """
+    shown = {obj: {obj} if obj.type in _SOLID else set() for obj in scene.objects}
+    for obj, parts in shown.items():
+        if obj.instance_type == "COLLECTION" and obj.instance_collection is not None:
+            inside = obj.instance_collection.all_objects
+            parts.update(part for part in inside if part.type in _SOLID)
+    if scene == bpy.context.scene:
+        for instance in bpy.context.evaluated_depsgraph_get().object_instances:
+            if instance.is_instance and instance.object.type in _SOLID:
+                by = instance.parent.original
+                shown.setdefault(by, set()).add(instance.object.original)
+    return shown
+
+
+def _receives(parts: set[bpy.types.Object]) -> bool:
+    """Whether things that are shown have managed materials and no others."""
+    return any(map(_has_managed, parts)) and not any(map(_burns, parts))
 
 
 def _is_managed(material: bpy.types.Material | None) -> bool:
@@ -61,6 +84,8 @@ def _has_managed(obj: bpy.types.Object) -> bool:
 
 def _burns(obj: bpy.types.Object) -> bool:
     """Whether an object shows a material that is not managed and scatters light."""
+    if obj.type == "MESH" and not obj.data.polygons and not obj.modifiers:
+        return False
     slots = [slot.material for slot in obj.material_slots]
     if not slots:
         return True  # Blender's grey

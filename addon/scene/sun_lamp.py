@@ -130,6 +130,9 @@ def set_cycles_colour(lamp: bpy.types.Object, rgb: NDArray[np.float64], channel:
 def remove(scene: bpy.types.Scene, parts: Container[str]) -> None:
     """Take our objects of these parts out of a scene; without a sun its World has its settings."""
     gone = [obj for obj in scene.objects if obj.get(KEY) in parts]
+    turn = find(scene, TURN)
+    if turn is not None and set(turn.children) <= set(gone):
+        gone = [*(obj for obj in gone if obj != turn), turn]
     lights = [obj.data for obj in gone if obj.data is not None]
     linked = receivers.find(scene)
     bpy.data.batch_remove(gone)

@@ -101,8 +101,8 @@ def test_a_sun_that_has_moved_makes_it_stale(corner):
     at = np.array([1.0, 0.0, 1.0])
     assert not bounce.is_stale(2.0 * at)
     # 1 and 6 degrees away: a few minutes, and half an hour.
-    assert not bounce.is_stale(at + [0.0, 0.025, 0.0])
-    assert bounce.is_stale(at + [0.0, 0.15, 0.0])
+    assert not bounce.is_stale(at + np.array([0.0, 0.025, 0.0]))
+    assert bounce.is_stale(at + np.array([0.0, 0.15, 0.0]))
     assert bounce.is_stale(None)
     list(bounce.bounce(sun=None, rays=32))
     assert not bounce.is_stale(None) and bounce.is_stale(at)

@@ -97,7 +97,7 @@ def expected(light, rho, sun):
     """What a level face of a reflectance returns of sun and sky, by the room's own numbers."""
     settings = spectral.Settings()
     transfer = settings.transfer(light)
-    found = lights.find(light, transfer, True)
+    found = lights.find(light, transfer)
     sky = transfer.matrices(rho) @ light.faces[0]
     return sky, sky + found.sun.rgb * sun[2] * found.reflected(rho)["Sun"]
 
