@@ -52,11 +52,16 @@ def test_lit_example(name, tmp_path):
     subprocess.run([sys.executable, str(EXAMPLES / "lit.py"), name, *options], check=True)
     out = tmp_path / name
     for picture in (name, "rgb", "eevee", "spectral", "reference"):
-        assert (out / f"{picture}.png").stat().st_size > 1000
+        assert (out / f"{picture}.png").stat().st_size > 500  # burnt out, they are small
     report = json.loads((out / "report.json").read_text(encoding="utf-8"))
     for way in ("spectral", "rgb", "eevee"):
         for error in report[way]["delta_E"], report[way]["colour"]:
             assert 0 <= error["mean"] <= error["worst"] and error["p95"] <= error["worst"]
-    assert set(report["seconds"]) == {"scene", "spectral", "eevee", "referee"}
+    assert set(report["seconds"]) >= {"scene", "spectral", "eevee", "referee"}
+    if name == "courtyard":  # shadows baked, live and not at all
+        baked, live, none = (
+            each["delta_E"]["mean"] for each in (report["spectral"], *report["beside"].values())
+        )
+        assert baked < live < none
     assert 0 < report["referee"]["noise"]["mean"] < 3  # of 32 samples; a wrong scene is off by tens
     assert report["pixels"]["judged"] > 100 and report["blender"]
