@@ -51,21 +51,10 @@ def _new_file(camera: Camera, exposure: float) -> None:
     eevee = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
     scene.render.engine = eevee
     scene.eevee.taa_render_samples = SAMPLES
-    scene.render.resolution_x, scene.render.resolution_y = camera.width, camera.height
-    scene.render.filter_size = 1.0
     scene.view_settings.view_transform = "Standard"
     scene.view_settings.exposure = exposure
     scene.world = bpy.data.worlds.new("Grey")
-    data = bpy.data.cameras.new("Camera")
-    if camera.orthographic:
-        data.type, data.ortho_scale = "ORTHO", camera.scale
-    else:
-        data.lens = data.sensor_width / camera.scale
-    view = bpy.data.objects.new("Camera", data)
-    axes = np.stack([camera.right, camera.up, camera.back, camera.location], axis=1)
-    view.matrix_world = Matrix([*axes.tolist(), [0, 0, 0, 1]])
-    scene.collection.objects.link(view)
-    scene.camera = view
+    place_camera(scene, camera)
 
 
 def _sphere_mesh() -> bpy.types.Mesh:
@@ -89,3 +78,19 @@ def _material(name: str, colour: np.ndarray) -> bpy.types.Material:
 
 def _save(path: Path) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+
+
+def place_camera(scene: bpy.types.Scene, camera: Camera) -> None:
+    """Give a scene a camera and its picture's size."""
+    data = bpy.data.cameras.new("Camera")
+    if camera.orthographic:
+        data.type, data.ortho_scale = "ORTHO", camera.scale
+    else:
+        data.lens = data.sensor_width / camera.scale
+    view = bpy.data.objects.new("Camera", data)
+    axes = np.stack([camera.right, camera.up, camera.back, camera.location], axis=1)
+    view.matrix_world = Matrix([*axes.tolist(), [0, 0, 0, 1]])
+    scene.collection.objects.link(view)
+    scene.camera = view
+    scene.render.resolution_x, scene.render.resolution_y = camera.width, camera.height
+    scene.render.filter_size = 1.0

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 from geometry import Camera
 from mathutils import Matrix, Vector
+from scenes import place_camera
 
 SUN_ANGLE = np.radians(0.533)
 
@@ -114,7 +115,7 @@ def build(stage: Stage, palette: Palette, sky: str | None = None) -> None:
         light = _light(scene, name, "POINT", palette.lamp(lamp), lamp.energy)
         light.location, light.data.shadow_soft_size = lamp.location, lamp.radius
     scene.world = _world(image("sky", palette.sky(stage.sky)) if sky is None else _loaded(sky))
-    _camera(scene, stage.camera)
+    place_camera(scene, stage.camera)
 
 
 def image(name: str, pixels: np.ndarray) -> bpy.types.Image:
@@ -244,18 +245,3 @@ def _world(sky: bpy.types.Image) -> bpy.types.World:
         tree.links.new(background.outputs[0], output.inputs["Surface"])
     tree.links.new(texture.outputs["Color"], background.inputs["Color"])
     return world
-
-
-def _camera(scene: bpy.types.Scene, camera: Camera) -> None:
-    data = bpy.data.cameras.new("Camera")
-    if camera.orthographic:
-        data.type, data.ortho_scale = "ORTHO", camera.scale
-    else:
-        data.lens = data.sensor_width / camera.scale
-    view = bpy.data.objects.new("Camera", data)
-    axes = np.stack([camera.right, camera.up, camera.back, camera.location], axis=1)
-    view.matrix_world = Matrix([*axes.tolist(), [0, 0, 0, 1]])
-    scene.collection.objects.link(view)
-    scene.camera = view
-    scene.render.resolution_x, scene.render.resolution_y = camera.width, camera.height
-    scene.render.filter_size = 1.0

@@ -18,13 +18,12 @@ from ..spectra.working_spaces import rec709_to_working
 from ..transfer.lamps import Classes, classes, lamp_spectrum
 from ..transfer.matrices import Transfer
 from ..transfer.prefilter import balanced_rgb
-from . import sun_lamp
+from . import follow, sun_lamp
 
 SPECTRUM = "spectral_skylight_spectrum"
 """On a lamp's data: what `transfer.lamps.lamp_spectrum` understands; without it, its colour."""
 
 TWIN = "twin"
-OF = "spectral_skylight_twin_of"  # on a twin: the name of the user's lamp
 
 
 @dataclass(frozen=True)
@@ -56,9 +55,7 @@ def find(scene: bpy.types.Scene, transfer: Transfer, rho: NDArray[np.float64]) -
     for obj, colour in zip(shown, colours, strict=True):
         given = obj.data.get(SPECTRUM)
         spectra.append(lamp_spectrum(given or colour * transfer.neutral, transfer.space))
-    strengths = [
-        obj.data.energy * y for obj, y in zip(shown, _luminance(colours, transfer), strict=True)
-    ]
+    strengths = np.array([obj.data.energy for obj in shown]) * _luminance(colours, transfer)
     names = tuple(obj.name for obj in shown)
     reference = rho if len(rho) else np.full((1, 81), 0.5)
     return Lamps(names, colours, classes(np.array(spectra), strengths, reference, names=names))
@@ -73,30 +70,14 @@ def place(scene: bpy.types.Scene, lamps: Lamps, transfer: Transfer) -> None:
         lamp = scene.objects[name]
         channel = 1 + kind
         twin = sun_lamp.new_lamp(scene, f"Skylight {name}", lamp.data, TWIN, channel)
-        twin[OF] = name
         if hasattr(twin.data, "use_temperature"):
             twin.data.use_temperature = False
-        follow = twin.constraints.new("COPY_TRANSFORMS")
-        follow.target = lamp
-        _follow(twin.data, "energy", lamp.data, "energy", light_probe.STRENGTH * Y)
+        twin.constraints.new("COPY_TRANSFORMS").target = lamp
+        follow.drive(twin.data, "energy", lamp.data, "energy", factor=light_probe.STRENGTH * Y)
         for path in ("hide_render", "hide_viewport"):
-            _follow(twin, path, lamp, path, 1.0)
+            follow.drive(twin, path, lamp, path)
         spectrum = lamps.classes.spectra[kind]
         sun_lamp.set_cycles_colour(twin, balanced_rgb(spectrum, transfer), channel)
-
-
-def _follow(owner, path: str, source: bpy.types.ID, source_path: str, factor: float) -> None:
-    curve = owner.driver_add(path)
-    curve.driver.type = "AVERAGE"  # of one value: no expression that Blender might refuse to run
-    target = curve.driver.variables.new().targets[0]
-    target.id_type = source.id_type
-    target.id = source
-    target.data_path = source_path
-    for modifier in list(curve.modifiers):
-        curve.modifiers.remove(modifier)
-    scaled = curve.modifiers.new("GENERATOR")
-    scaled.poly_order = 1
-    scaled.coefficients = (0.0, factor)
 
 
 def _colour(light: bpy.types.Light) -> NDArray[np.float64]:

@@ -8,6 +8,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .rays import triangles_of
+
 _POINTS, _RAYS = 64, 64
 """Places that are looked from, and rays from each: a hundredth of the sky, in some tenths of a
 second."""
@@ -97,26 +99,15 @@ def _triangles(depsgraph: bpy.types.Depsgraph, names: set[str]) -> NDArray[np.fl
     found = [np.empty((0, 3, 3))]
     for instance in depsgraph.object_instances:
         shown = instance.object
-        if shown.type != "MESH" or not shown.data.polygons:
-            continue
-        slots = [
+        if shown.type != "MESH" or not any(
             slot.material is not None and slot.material.name_full in names
             for slot in shown.material_slots
-        ]
-        if not any(slots):
+        ):
             continue
-        mesh = shown.data
-        mesh.calc_loop_triangles()
-        corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
-        index = np.empty(len(mesh.loop_triangles), np.int32)
-        places = np.empty(3 * len(mesh.vertices), np.float32)
-        mesh.loop_triangles.foreach_get("vertices", corners)
-        mesh.loop_triangles.foreach_get("material_index", index)
-        mesh.vertices.foreach_get("co", places)
-        kept = np.array(slots)[np.minimum(index, len(slots) - 1)]
+        triangles, slots, materials = triangles_of(shown)
+        kept = triangles[np.isin(materials, list(names))[slots]]
         to_world = np.array(instance.matrix_world)
-        vertices = places.reshape(-1, 3) @ to_world[:3, :3].T + to_world[:3, 3]
-        triangles = vertices[corners.reshape(-1, 3)[kept]]
+        placed = kept @ to_world[:3, :3].T + to_world[:3, 3]
         mirrored = np.linalg.det(to_world[:3, :3]) < 0.0
-        found.append(triangles[:, ::-1] if mirrored else triangles)
+        found.append(placed[:, ::-1] if mirrored else placed)
     return np.concatenate(found)

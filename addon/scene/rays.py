@@ -112,7 +112,7 @@ def occluders(depsgraph: bpy.types.Depsgraph) -> Occluders:
             continue
         key = shown.original.name_full, shown.data.as_pointer() if shown.data else 0
         if key not in cache:
-            cache[key] = _triangles(shown)
+            cache[key] = triangles_of(shown)
         triangles, slots, names = cache[key]
         for name in names:
             if name not in clear:
@@ -144,8 +144,12 @@ def occluders(depsgraph: bpy.types.Depsgraph) -> Occluders:
     )
 
 
-def _triangles(shown: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray, list[str]]:
-    """Triangles (n, 3, 3) of an evaluated object, the slot of each, and the slots' materials."""
+def triangles_of(shown: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray, list[str]]:
+    """Triangles (n, 3, 3) of an evaluated mesh, the slot of each (n,), and the slots' materials.
+
+    In its own space; none of a mesh without faces. A slot's material is named in full, an empty one
+    is ""; without slots there is one such.
+    """
     # A last Subdivision modifier may be left to the GPU, and `data` then is what went into it.
     smooth = any(modifier.type == "SUBSURF" for modifier in shown.modifiers)
     mesh = shown.to_mesh() if smooth else shown.data

@@ -17,7 +17,7 @@ from mathutils import Vector
 from numpy.typing import NDArray
 
 from ...node_groups import light_probe
-from . import receivers
+from . import follow, receivers
 from . import world as worlds
 
 KEY = "spectral_skylight_lamp"  # on our lamps and what holds them: which part they play
@@ -163,7 +163,7 @@ def _own_threshold(world: bpy.types.World, brightest_sky: float) -> None:
 
 def _follow_strength(light: bpy.types.Light, world: bpy.types.World, path: str) -> None:
     emission = next(node for node in light.node_tree.nodes if node.type == "EMISSION")
-    _drive(emission.inputs["Strength"], "default_value", -1, world, path)
+    follow.drive(emission.inputs["Strength"], "default_value", world, path)
 
 
 def _turn_with(pivot: bpy.types.Object, world: bpy.types.World, sky: worlds.WorldSky) -> None:
@@ -175,21 +175,6 @@ def _turn_with(pivot: bpy.types.Object, world: bpy.types.World, sky: worlds.Worl
             pivot.rotation_euler[axis] = 0.0
             continue
         path = worlds.value_path(world, sky.mapping, "Rotation")
-        curve = _drive(pivot, "rotation_euler", axis, world, f"{path}[{axis}]")
-        if not sky.inverse:  # the inverse of Rz Ry Rx is Rx Ry Rz by the negative angles
-            for modifier in list(curve.modifiers):
-                curve.modifiers.remove(modifier)
-            negative = curve.modifiers.new("GENERATOR")
-            negative.poly_order = 1
-            negative.coefficients = (0.0, -1.0)
-
-
-def _drive(owner, path: str, axis: int, world: bpy.types.World, source: str) -> bpy.types.FCurve:
-    owner.driver_remove(path, axis)
-    curve = owner.driver_add(path, axis)
-    curve.driver.type = "AVERAGE"  # of one value: no expression that Blender might refuse to run
-    target = curve.driver.variables.new().targets[0]
-    target.id_type = "WORLD"
-    target.id = world
-    target.data_path = source
-    return curve
+        # The inverse of Rz Ry Rx is Rx Ry Rz by the negative angles.
+        sign = 1.0 if sky.inverse else -1.0
+        follow.drive(pivot, "rotation_euler", world, f"{path}[{axis}]", axis, sign)

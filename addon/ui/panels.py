@@ -83,7 +83,6 @@ class SKYLIGHT_PT_light(Child, bpy.types.Panel):
         layout.prop(numbers, "occlusion")
         if numbers.occlusion == "baked":
             layout.prop(numbers, "bounce")
-        if numbers.occlusion == "baked":
             row = layout.row(align=True)
             row.operator("skylight.bake")
             row.operator("skylight.remove_bakes", text="", icon="X")
