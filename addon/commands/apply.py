@@ -141,17 +141,19 @@ def _settings(options: argparse.Namespace) -> Any:
 class _Spectra:
     """What the options' files hold, by the names of materials, read before the scene is opened.
 
-    Reflectances and transmittances (name, (81,)); n and k (81,) of metals.
+    Reflectances and transmittances (name, (81,)); from where to where [nm] reflectances were
+    measured; n and k (81,) of metals.
     """
 
     reflectances: dict[str, Any]
+    measured: dict[str, tuple[float, float]]
     metals: dict[str, Any]
     glazings: dict[str, Any]
     behind: dict[str, Any]
 
 
 def _read(options: argparse.Namespace) -> _Spectra:
-    from ..spectra.reflectance import read_assigned
+    from ..spectra.reflectance import read_one
     from ..spectra.refraction import read_nk
     from ..transfer.metals import conductor
 
@@ -162,14 +164,18 @@ def _read(options: argparse.Namespace) -> _Spectra:
     for name in given:
         if given.count(name) > 1:
             raise InputError(f"--assign {name}", "is given twice", "give each material once")
-    curves = [
-        {name: read_assigned(text, options.unit) for name, text in pairs}
+    read = [
+        {name: read_one(text, options.unit) for name, text in pairs}
         for pairs in (options.assign, options.glass, options.behind)
     ]
+    curves: list[dict[str, Any]] = [
+        {name: (one.names[0], one.values[0]) for name, one in each.items()} for each in read
+    ]
+    measured = {name: one.measured for name, one in read[0].items()}
     metals = {name: read_nk(text) for name, text in options.metal}
     for name, text in options.metal:
         curves[0][name] = (text, conductor(*metals[name]))
-    return _Spectra(curves[0], metals, *curves[1:])
+    return _Spectra(curves[0], measured, metals, *curves[1:])
 
 
 def _targets(options: argparse.Namespace, spectra: _Spectra) -> dict[Any, Any]:
@@ -226,7 +232,8 @@ def run(options: argparse.Namespace) -> None:
     world = spectral.develop(scene, settings)
     for name, (glass, transmittance) in spectra.glazings.items():
         optics.glaze(files.material(name), glass, transmittance)
-    light, results = spectral.make_spectral(world, targets, settings, metals)
+    measured = {files.material(name): span for name, span in spectra.measured.items()}
+    light, results = spectral.make_spectral(world, targets, settings, metals, measured)
     if settings.occlusion == lights.BAKED:
         said += _bake(spectral.bake(world, settings))
         light, results = spectral.update(world, settings, targets)

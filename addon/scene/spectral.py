@@ -153,10 +153,12 @@ def make_spectral(
     settings: Settings,
     metals: Mapping[bpy.types.Material, tuple[NDArray[np.float64], NDArray[np.float64]]]
     | None = None,
+    measured: Mapping[bpy.types.Material, tuple[float, float]] | None = None,
 ) -> tuple[SkyLight, list[Result]]:
     """Give materials their reflectances (name, values (81,)) under a World's sky.
 
     ``metals``: n and k (81,) of those whose reflectance is a metal's; they keep their gloss.
+    ``measured``: from where to where [nm] reflectances were measured, kept for those who look.
     Everything is computed and checked before the first material changes. Raises InputError as
     `world.sky_of`, `world.pixels_of`, `sky.panorama.from_pixels`, `materials.apply` and
     `Settings.transfer` do.
@@ -188,6 +190,7 @@ def make_spectral(
         "space": choice.transfer.space,
         "image": worlds.sky_of(world).image.name,
         "model": model,
+        "spectrum": _restored(light, choice.transfer),
     }
     prediction = choice.prediction
     assert prediction is not None
@@ -218,7 +221,12 @@ def make_spectral(
             choice.matrices[k],
             reflectance_name=name,
             reflectance_hash=reflectance_hash(rho),
-            extra={**_plain(result), "unknown": prediction.unknown, "values": rho.tolist()},
+            extra={
+                **_plain(result),
+                "unknown": prediction.unknown,
+                "values": rho.tolist(),
+                "measured": (measured or {}).get(material) or _measured(material, rho),
+            },
             reflected={
                 **{name: rgb[k] for name, rgb in reflected.items()},
                 **found.bounced(material.name_full, rho),
@@ -302,12 +310,25 @@ def _neighbours(
     }
 
 
+def _restored(light: SkyLight, transfer: Transfer) -> list[float]:
+    """Return the spectrum (81,) of the sky's light on level ground, as pictures show it."""
+    return (transfer.restoration @ transfer.unbalanced(light.faces[0])).tolist()
+
+
 def _kept(material: bpy.types.Material) -> tuple[str, NDArray[np.float64]]:
     """Return the reflectance that a managed material was given; InputError for another."""
     managed = materials.managed(material)
     if managed is None:
         raise InputError(f'material "{material.name}"', "has no reflectance yet", "apply one first")
     return managed.reflectance_name, np.array(managed.extra["values"])
+
+
+def _measured(material: bpy.types.Material, rho: NDArray[np.float64]) -> tuple[float, float] | None:
+    """Return from where to where [nm] the reflectance that a material has already was measured."""
+    managed = materials.managed(material)
+    if managed is None or managed.reflectance_hash != reflectance_hash(rho):
+        return None
+    return managed.extra.get("measured")
 
 
 def bake(

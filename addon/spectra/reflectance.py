@@ -28,7 +28,8 @@ class Reflectances:
     """Reflectances of the materials in one file, on the grid.
 
     ``values`` (m, 81) in 0 to 1, ``names`` (m), ``unit`` as read (``percent`` or ``fraction``),
-    ``notes`` (what was done to the data, a sentence each).
+    ``notes`` (what was done to the data, a sentence each), ``measured``: from where to where [nm]
+    the file has values; beyond, the grid holds those of the ends.
     """
 
     path: Path
@@ -36,6 +37,7 @@ class Reflectances:
     values: NDArray[np.float64]
     unit: str
     notes: tuple[str, ...]
+    measured: tuple[float, float]
 
 
 def read_reflectances(
@@ -91,6 +93,7 @@ def read_reflectances(
         values=np.clip(resample(table.wavelengths, np.minimum(values, 1.0)), 0.0, 1.0),
         unit=UNITS[0] if percent.all() else UNITS[1] if not percent.any() else "mixed",
         notes=tuple(notes),
+        measured=(float(low), float(high)),
     )
 
 
@@ -108,6 +111,15 @@ def split_assignment(text: str) -> tuple[Path, str | None]:
 def read_assigned(text: str, unit: str | None = None) -> tuple[str, NDArray[np.float64]]:
     """Read the one reflectance that ``FILE.csv[:COLUMN]`` names: its name and values (81,).
 
+    Raises `InputError` as `read_one` does.
+    """
+    reflectances = read_one(text, unit)
+    return reflectances.names[0], reflectances.values[0]
+
+
+def read_one(text: str, unit: str | None = None) -> Reflectances:
+    """Read the one reflectance that ``FILE.csv[:COLUMN]`` names, alone in its `Reflectances`.
+
     Raises `InputError` where the file has many columns and none is named, and as
     `read_reflectances` does.
     """
@@ -119,7 +131,7 @@ def read_assigned(text: str, unit: str | None = None) -> tuple[str, NDArray[np.f
             f"holds {len(reflectances.names)} materials",
             f"name one, as in {path.name}:{reflectances.names[0]}",
         )
-    return reflectances.names[0], reflectances.values[0]
+    return reflectances
 
 
 def reflectance_hash(values: NDArray[np.float64]) -> str:

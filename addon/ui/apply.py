@@ -45,13 +45,15 @@ class Apply(operator.Thin):
                 "choose a CSV for it first",
             )
         world = context.scene.world
-        reflectances = {}
+        reflectances, measured = {}, {}
         for material, choice in chosen.items():
-            reflectances[material], notes = _read(material, *choice)
-            lines += [("INFO", f"{material.name}: {note}") for note in notes]
+            read = _read(material, *choice)
+            reflectances[material] = read.names[0], read.values[0]
+            measured[material] = read.measured
+            lines += [("INFO", f"{material.name}: {note}") for note in read.notes]
         settings = properties.settings_of(world)
         world = spectral.develop(context.scene, settings)
-        _, results = spectral.make_spectral(world, reflectances, settings)
+        _, results = spectral.make_spectral(world, reflectances, settings, measured=measured)
         for material, (filepath, _, unit) in chosen.items():
             _keep(material.skylight, filepath, reflectances[material][0], unit)
         lines += [("WARNING" if r.out_of_gamut else "INFO", r.line) for r in results]
@@ -75,7 +77,7 @@ def _read(material, filepath, column, unit):
     read = read_reflectances(path, None if unit == "AUTO" else unit.lower(), column or None)
     if len(read.names) > 1:
         raise InputError(path, f"holds {len(read.names)} materials", "choose a column")
-    return (read.names[0], read.values[0]), read.notes
+    return read
 
 
 def _keep(choice, filepath, column, unit) -> None:

@@ -7,6 +7,7 @@ from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.reflectance import (
     read_assigned,
+    read_one,
     read_reflectances,
     split_assignment,
 )
@@ -213,6 +214,15 @@ def test_assignment_names_a_column(write):
         read_assigned(f"{path}:c")
     with pytest.raises(InputError, match="holds 2 materials"):
         read_assigned(str(path))
+
+
+def test_what_was_measured_is_told_from_what_is_held(tmp_path):
+    path = tmp_path / "short.csv"
+    path.write_text("nm,a\n" + "".join(f"{nm},0.{nm}\n" for nm in range(400, 701, 10)))
+    read = read_one(f"{path}:a")
+    assert read.measured == (400.0, 700.0)
+    beyond = (WAVELENGTHS < 400) | (WAVELENGTHS > 700)
+    assert set(read.values[0][beyond]) == {0.4, 0.7}
 
 
 def test_assignment_leaves_drive_letters_alone():

@@ -40,6 +40,16 @@ def test_apply_twice_is_once(scene, brick):
     assert twice == once
 
 
+def test_what_was_measured_is_kept_and_forgotten_with_the_reflectance(scene, brick, tmp_path):
+    file = tmp_path / "short.csv"
+    file.write_text("nm,slate\n" + "".join(f"{nm},0.{nm}\n" for nm in range(400, 701, 10)))
+    bpy.ops.skylight.apply(filepath=str(file))
+    bpy.ops.skylight.update()
+    assert materials.managed(material()).extra["measured"] == [400.0, 700.0]
+    bpy.ops.skylight.estimate()
+    assert materials.managed(material()).extra["measured"] is None
+
+
 def test_apply_on_the_selection(scene, brick):
     bpy.ops.skylight.choose_reflectance(filepath=brick, column="brick")
     select("Wall", "Roof")
