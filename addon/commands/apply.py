@@ -117,13 +117,13 @@ def _bake(work: Generator[Any, None, list[str]]) -> list[str]:
 
 
 def _settings(options: argparse.Namespace) -> Any:
-    """Return the `spectral.Settings` of the options; a white to be found is left open."""
-    from ..scene import lights, spectral
+    """Return the `scene.settings.Settings` of the options; a white to be found is left open."""
+    from ..scene.settings import BAKED, Settings
     from ..transfer.white import AUTO
 
-    if options.bounce and options.occlusion != lights.BAKED:
+    if options.bounce and options.occlusion != BAKED:
         raise InputError("--bounce", "is part of a bake", "add --occlusion baked")
-    return spectral.Settings(
+    return Settings(
         basis=basis_name(options),
         camera=options.camera,
         white=None if options.white == AUTO else options.white,
@@ -207,7 +207,8 @@ def _metals(spectra: _Spectra) -> dict[Any, Any]:
 
 def run(options: argparse.Namespace) -> None:
     """Write the blend file, and print what each material was given."""
-    from ..scene import files, lamps, lights, optics, sky_light, spectral, working_space
+    from ..scene import baking, files, lamps, optics, sky_light, spectral, working_space
+    from ..scene.settings import BAKED
     from ..transfer.white import AUTO
 
     spectra, settings = _read(options), _settings(options)
@@ -234,8 +235,8 @@ def run(options: argparse.Namespace) -> None:
         optics.glaze(files.material(name), glass, transmittance)
     measured = {files.material(name): span for name, span in spectra.measured.items()}
     light, results = spectral.make_spectral(world, targets, settings, metals, measured)
-    if settings.occlusion == lights.BAKED:
-        said += _bake(spectral.bake(world, settings))
+    if settings.occlusion == BAKED:
+        said += _bake(baking.bake(world, settings))
         light, results = spectral.update(world, settings, targets)
     files.save(options.out)
     for result in results:

@@ -23,8 +23,7 @@ from . import bake, dome_lamps, receivers, sky_light, sun_lamp
 from . import lamps as own_lamps
 from . import world as worlds
 from .lamps import Lamps
-
-OPEN, BAKED, DOME = "open", "baked", "dome"
+from .settings import BAKED, DOME, OPEN
 
 
 @dataclass(frozen=True)
@@ -129,35 +128,32 @@ class Lights:
 def find(
     light: SkyLight,
     transfer: Transfer,
-    scene: bpy.types.Scene | None = None,
-    rho: NDArray[np.float64] | None = None,
     *,
+    lamps: Lamps | None = None,
     with_sun: bool = True,
-    ground: str = "hdri",
-    ground_reflectance: NDArray[np.float64] | float | None = None,
+    ground: str | NDArray[np.float64] = "hdri",
     occlusion: str = OPEN,
     neighbours: dict[str, NDArray[np.float64]] | None = None,
 ) -> Lights:
-    """Return the lights of a sky and of a scene, computed and checked.
+    """Return the lights of a sky beside a scene's ``lamps``, computed and checked.
 
-    ``rho`` (m, 81): the scene's materials, by which lamps are told apart; ``ground``: one of
-    `transfer.ground.CHOICES`; ``ground_reflectance``: that of a modelled one, else grey's;
-    ``occlusion``: `OPEN`, `BAKED` or `DOME`; ``neighbours`` as `Lights` has them.
-    Raises InputError for a lamp's spectrum that cannot be read and for an unknown ground.
+    ``ground``: one of `transfer.ground.CHOICES`, or the reflectance (81,) of a modelled one, which
+    is grey's else; ``occlusion``: `OPEN`, `BAKED` or `DOME`; ``neighbours`` as `Lights` has them.
+    Raises InputError for an unknown ground.
     """
     spectra = {}
-    sun = lamps = None
+    sun = None
     if light.sun is not None and with_sun:
         sun = restored_sun(light.sun, light, transfer.S_in, transfer.white)
         spectra["Sun"] = sun.spectrum
-    given = {} if ground_reflectance is None else {"reflectance": ground_reflectance}
     below = None
     # Without shadows the light of a grey ground is one with the sky's.
-    if ground != "hdri" or occlusion != OPEN or not is_grey(light, transfer):
-        below = ground_light(ground, light, transfer, sun, **given)
+    if not isinstance(ground, str):
+        below = ground_light("modelled", light, transfer, sun, ground)
+    elif ground != "hdri" or occlusion != OPEN or not is_grey(light, transfer):
+        below = ground_light(ground, light, transfer, sun)
+    if below is not None:
         spectra["Ground"] = below.spectrum
-    if scene is not None and occlusion != DOME:
-        lamps = own_lamps.find(scene, transfer, np.empty((0, 81)) if rho is None else rho)
     if lamps is not None:
         for k, spectrum in enumerate(lamps.classes.spectra):
             spectra[f"Lamp {k + 1}"] = spectrum

@@ -13,6 +13,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
 from ...node_groups import skylight_surface, spectral_matrix, spectral_texture
 from ...node_groups import tree as groups
@@ -192,6 +194,17 @@ def managed(material: bpy.types.Material) -> Managed | None:
         matrix=spectral_matrix.get_matrix(node),
         world=skylight_surface.world_of(node.node_tree) if node.node_tree else None,
     )
+
+
+def kept(material: bpy.types.Material) -> tuple[str, NDArray[np.float64]]:
+    """Return the reflectance that a managed material was given: its name and values (81,).
+
+    Raises InputError for a material that is not managed.
+    """
+    record = managed(material)
+    if record is None:
+        raise InputError(f'material "{material.name}"', "has no reflectance yet", "apply one first")
+    return record.reflectance_name, np.array(record.extra["values"])
 
 
 def materials_of(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Material]:

@@ -81,13 +81,13 @@ class SKYLIGHT_OT_bake(operator.Thin, bpy.types.Operator):
 
     def work(self, context):
         """The generator that bakes, as the properties say."""
-        from ..scene import bake, spectral
+        from ..scene import bake, baking
 
         world = context.scene.world
         rays = max(32, self.rays // 32 * 32) if self.rays else None
         chosen = bake.targets(self.selected)
         settings = properties.settings_of(world)
-        return spectral.bake(world, settings, chosen, rays=rays, changed_only=self.changed)
+        return baking.bake(world, settings, chosen, rays=rays, changed_only=self.changed)
 
     def tidy(self, context):
         """Take timer, progress and status text away."""

@@ -256,13 +256,13 @@ class SkylightNumbers(bpy.types.PropertyGroup):
 
 
 def settings_of(world: bpy.types.World):
-    """The `spectral.Settings` that a World's panel shows."""
-    from ..scene import spectral
+    """The `scene.settings.Settings` that a World's panel shows."""
+    from ..scene.settings import Settings
 
     stored = {key: value for key, value in _stored(world).items() if value is not None}
     if stored.get("camera", "").startswith("//"):
         stored["camera"] = bpy.path.abspath(stored["camera"], library=world.library)
-    return spectral.Settings(**stored)
+    return Settings(**stored)
 
 
 CLASSES = (SkylightColumn, SkylightReflectance, SkylightNumbers, SkylightLamp)
