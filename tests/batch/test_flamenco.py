@@ -1,0 +1,82 @@
+"""The job type for Flamenco: run in a JavaScript engine, as the Manager does."""
+
+import pytest
+
+quickjs = pytest.importorskip("quickjs")
+
+from spectral_skylight.tests.batch import flamenco_manager as manager  # noqa: E402
+
+PLAN = "/farm/house/plan.jsonl"
+
+
+def pictures(task):
+    """The range of pictures that a task's command renders."""
+    line = manager.command_line(task, {})
+    first = int(line[line.index("--first") + 1])
+    return range(first, first + int(line[line.index("--count") + 1]))
+
+
+def test_the_settings_are_such_as_the_manager_knows():
+    """`AvailableJobSetting` of Flamenco's OpenAPI description."""
+    kind = manager.job_type()
+    assert kind["label"]
+    keys = {"key", "type", "subtype", "description", "default", "eval", "visible", "required"}
+    for setting in kind["settings"]:
+        assert setting.keys() <= keys
+        assert setting["type"] in ("string", "int32", "float", "bool")
+        assert setting.get("subtype", "file_path") in ("file_path", "dir_path", "file_name")
+        assert setting.get("visible", "web") in ("visible", "hidden", "submission", "web")
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("0-39", [range(40)]),
+        ("7", [range(7, 8)]),
+        (" 0 - 4 / 2 , 9", [range(0, 2), range(2, 4), range(4, 5), range(9, 10)]),
+        ("0-11/12,12-35/12", [range(0, 12), range(12, 24), range(24, 36)]),
+    ],
+)
+def test_each_range_is_a_task(text, expected):
+    *tasks, last = manager.compile_job({"plan": PLAN, "pictures": text})
+    assert [pictures(task) for task in tasks] == expected
+    assert {task["type"] for task in tasks} == {"blender"}
+    assert len({task["name"] for task in tasks}) == len(tasks)
+    assert last["dependencies"] == [task["uuid"] for task in tasks]
+
+
+@pytest.mark.parametrize("text", ("", "5-3", "0-9/0", "1,,2", "a-b", "-3", "0-9;8"))
+def test_what_is_no_range_is_refused(text):
+    with pytest.raises(quickjs.JSException, match="is no range; write A-B or A-B/N"):
+        manager.compile_job({"plan": PLAN, "pictures": text})
+
+
+@pytest.mark.parametrize(
+    ("plan", "script"),
+    [
+        ("/farm/plan.jsonl", "/farm/render_task.py"),
+        ("/plan.jsonl", "/render_task.py"),
+        ("{shared}/house/plan.jsonl", "{shared}/house/render_task.py"),
+        (r"S:\farm\plan.jsonl", r"S:\farm\render_task.py"),
+        (r"\\nas\farm\plan.jsonl", r"\\nas\farm\render_task.py"),
+        ("//nas/farm/plan.jsonl", "//nas/farm/render_task.py"),
+        ("/farm/Haus am See (2)/plan $&.jsonl", "/farm/Haus am See (2)/render_task.py"),
+    ],
+)
+def test_the_script_lies_beside_the_plan(plan, script):
+    task, _ = manager.compile_job({"plan": plan, "pictures": "0"})
+    line = manager.command_line(task, {})
+    assert line[line.index("-P") + 1] == script
+    assert line[line.index("--") + 1] == plan
+
+
+@pytest.mark.parametrize("plan", ("plan.jsonl", "../plan.jsonl", "", None))
+def test_a_relative_plan_is_refused(plan):
+    with pytest.raises(quickjs.JSException, match="is no absolute path"):
+        manager.compile_job({"plan": plan, "pictures": "0"})
+
+
+def test_a_plan_of_100_000_pictures():
+    """One job; Flamenco takes more than 1,000 tasks since 3.3."""
+    tasks = manager.compile_job({"plan": PLAN, "pictures": "0-99999/12"})
+    assert len(tasks) == 8334 + 1

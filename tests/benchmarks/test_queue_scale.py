@@ -1,0 +1,107 @@
+"""A thousand workers, one in a hundred of them dying: what `dispatch` makes of a night.
+
+By simulation: the policy is the add-on's, the farm is virtual. Figures, and the bounds that any
+night must keep. `--benchmark-enable -s` prints the table.
+"""
+
+from itertools import islice
+
+import numpy as np
+import pytest
+
+from spectral_skylight.addon.batch.dispatch import chunks, dispatch
+from spectral_skylight.tests.benchmarks.virtual_farm import LOAD, VirtualFarm
+
+WORKERS, CAMERAS = 1000, 40
+
+
+def night(pictures=100_000, workers=WORKERS, dying=0.01, taper=True, seed=1, size=12, **farm):
+    """One simulated run: the farm afterwards, the outcomes, and the time of equal shares."""
+    rng = np.random.default_rng(seed)
+    seconds = rng.lognormal(np.log(60), 0.5, pictures)  # a minute each, some three
+    files = np.arange(pictures) // CAMERAS
+    ideal = (seconds.sum() + LOAD * files[-1]) / workers
+    dead = rng.choice(workers, round(dying * workers), replace=False)
+    deaths = dict(zip(dead, rng.uniform(0, ideal, dead.size), strict=True))
+    farm = VirtualFarm(seconds, files, workers, deaths, seed=seed, **farm)
+    work = chunks(files.tolist(), size, pictures if taper else None, workers)
+    outcomes = list(dispatch(work, farm))
+    return farm, outcomes, ideal
+
+
+@pytest.mark.parametrize("orphan", (True, False), ids=("Blender goes on", "the machine is gone"))
+def test_a_night_in_which_one_in_a_hundred_dies(benchmark, capsys, orphan):
+    broken = frozenset(range(7, 100_000, 20_000))
+    night_of = {"orphan": orphan, "broken": broken, "flaky": 1e-3}
+    farm, outcomes, ideal = benchmark.pedantic(night, kwargs=night_of, rounds=1)
+
+    # Each picture has one outcome; only what never renders is missing, after three tries.
+    assert sorted(number for number, _ in outcomes) == list(range(100_000))
+    assert {number for number, outcome in outcomes if isinstance(outcome, str)} == broken
+    assert farm.whole == set(range(100_000)) - broken
+    tries = np.bincount(farm.renders, minlength=100_000)
+    assert all(tries[number] == 3 for number in broken)
+
+    # A death costs the picture under way, not the chunk: what was in place is skipped.
+    twice = int(np.sum(tries[list(farm.whole)] > 1))
+    assert farm.lost < 10 * farm.seconds.max()
+    # The night is over with its last pictures, not a chunk later.
+    assert farm.now < 1.05 * ideal
+    # And what waits is bounded by the workers, not by the plan.
+    assert farm.most_away <= 2 * WORKERS
+
+    with capsys.disabled():
+        print(
+            f"\n{'Blender goes on' if orphan else 'machine gone'}: {farm.now / ideal:.3f} of the "
+            f"ideal night, {farm.lost:.0f} s lost of {farm.seconds.sum():.0f}, "
+            f"{twice} pictures rendered again, {len(broken)} given up"
+        )
+
+
+def test_chunks_that_shrink_end_together():
+    """Twenty pictures a worker, in twelves: one worker ends its second chunk long after another."""
+    shrinking, _, ideal = night(20_000, dying=0)
+    equal, _, _ = night(20_000, dying=0, taper=False)
+    assert shrinking.now < 1.2 * ideal < 1.4 * ideal < equal.now
+
+
+def test_everybody_dies_but_one():
+    farm, outcomes, _ = night(200, workers=8, dying=7 / 8)
+    assert sorted(number for number, _ in outcomes) == list(range(200))
+    assert farm.whole == set(range(200))
+
+
+def test_chunks_keep_a_files_pictures_together():
+    files = ["a"] * 5 + ["b"] * 30 + ["a"] * 2
+    cut = list(chunks(files, 12))
+    assert [n for chunk in cut for n in chunk] == list(range(37))
+    assert [len(chunk) for chunk in cut] == [5, 12, 12, 6, 2]
+    assert all(len({files[n] for n in chunk}) == 1 for chunk in cut)
+
+
+def test_a_plan_without_end_is_read_as_far_as_there_is_room():
+    """What the policy holds does not grow with the plan."""
+
+    class Pool:
+        away = []
+
+        def room(self):
+            return 3 - len(self.away)
+
+        def submit(self, chunk):
+            self.away.append(chunk)
+
+        def finished(self):
+            chunk = self.away.pop(0)
+            return chunk, dict.fromkeys(chunk, 0), {}
+
+    read = []
+
+    def endless():
+        while True:
+            read.append("file")
+            yield str(len(read) // 4)
+
+    done = list(islice(dispatch(chunks(endless()), Pool()), 1000))
+    assert [number for number, _ in done] == list(range(1000))
+    assert len(read) < 1000 + 6 * 4

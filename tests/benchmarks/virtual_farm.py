@@ -1,0 +1,143 @@
+"""A farm in virtual time: a pool for `dispatch` whose workers need no machine, and may die."""
+
+from __future__ import annotations
+
+import heapq
+from collections import deque
+from dataclasses import dataclass, field
+from itertools import count
+
+import numpy as np
+
+LOAD, SKIP = 3.0, 0.05
+"""Seconds to open a prepared file, and to find a picture finished."""
+
+
+@dataclass
+class Worker:
+    """One Blender: what it renders, since when, and whether its machine is still there."""
+
+    chunk: range | None = None
+    pictures: deque[int] = field(default_factory=deque)
+    file: int = -1
+    since: float = 0.0
+    alive: bool = True
+
+
+class VirtualFarm:
+    """A scheduler as Dask's or Flamenco's: a lost worker's chunk goes to another, once noticed.
+
+    `seconds` (pictures,) is what each takes, `files` (pictures,) its prepared file; `deaths` maps a
+    worker to the time of its end. Blender outlives its `orphan` worker until the picture under
+    way is done, else the machine is gone. Pictures in `broken` fail whenever they are
+    tried, others with the probability `flaky`.
+    """
+
+    def __init__(
+        self,
+        seconds: np.ndarray,
+        files: np.ndarray,
+        workers: int,
+        deaths: dict[int, float],
+        notice: float = 60.0,
+        orphan: bool = True,
+        broken: frozenset[int] = frozenset(),
+        flaky: float = 0.0,
+        seed: int = 1,
+    ) -> None:
+        self.seconds, self.files, self.notice, self.orphan = seconds, files, notice, orphan
+        self.broken, self.flaky, self.rng = broken, flaky, np.random.default_rng(seed)
+        self.workers = [Worker() for _ in range(workers)]
+        self.idle = deque(range(workers))
+        self.waiting: deque[range] = deque()
+        self.finished_chunks: deque = deque()
+        self.known = workers
+        self.now, self.order, self.events = 0.0, count(), []
+        self.whole: set[int] = set()
+        self.renders: list[int] = []
+        self.lost = 0.0
+        self.away = self.most_away = 0
+        self.errors: dict[int, str] = {}
+        for worker, time in deaths.items():
+            self._at(time, self._death, worker)
+
+    # The pool that `dispatch` sees.
+
+    def room(self):
+        return 2 * self.known - self.away
+
+    def submit(self, chunk):
+        self.away += 1
+        self.most_away = max(self.most_away, self.away)
+        self.waiting.append(chunk)
+        self._assign()
+
+    def finished(self):
+        while not self.finished_chunks:
+            self.now, _, happens, argument = heapq.heappop(self.events)
+            happens(argument)
+        self.away -= 1
+        chunk = self.finished_chunks.popleft()
+        errors = {n: self.errors.pop(n) for n in chunk if n in self.errors}
+        return chunk, {n: self.now for n in chunk if n not in errors}, errors
+
+    # What happens meanwhile.
+
+    def _at(self, time, happens, argument):
+        heapq.heappush(self.events, (time, next(self.order), happens, argument))
+
+    def _assign(self):
+        while self.waiting and self.idle:
+            worker = self.workers[number := self.idle.popleft()]
+            worker.chunk = self.waiting.popleft()
+            worker.pictures = deque(worker.chunk)
+            self._next(number)
+
+    def _next(self, number):
+        """Begin the worker's next picture, or hand its chunk back."""
+        worker = self.workers[number]
+        if not worker.pictures:
+            self.finished_chunks.append(worker.chunk)
+            worker.chunk = None
+            self.idle.append(number)
+            self._assign()
+            return
+        picture = worker.pictures[0]
+        worker.since, takes = self.now, SKIP
+        if picture not in self.whole:
+            takes = self.seconds[picture] + LOAD * (worker.file != self.files[picture])
+            worker.file = self.files[picture]
+        self._at(self.now + takes, self._picture, (number, picture, takes > SKIP))
+
+    def _picture(self, event):
+        """A picture's end: moved into place, failed, or rendered for nobody."""
+        number, picture, rendered = event
+        worker = self.workers[number]
+        if not worker.alive and not self.orphan:
+            return
+        failed = rendered and (picture in self.broken or self.rng.random() < self.flaky)
+        if rendered:
+            self.renders.append(picture)
+        if failed and worker.alive:
+            self.errors[picture] = "did not render"
+        elif not failed:
+            self.lost += (self.now - worker.since) * (rendered and picture in self.whole)
+            self.whole.add(picture)
+        if worker.alive:
+            worker.pictures.popleft()
+            self._next(number)
+
+    def _death(self, number):
+        worker = self.workers[number]
+        worker.alive = False
+        if worker.chunk is None:
+            self.idle.remove(number)
+        elif not self.orphan:
+            self.lost += self.now - worker.since
+        self._at(self.now + self.notice, self._noticed, number)
+
+    def _noticed(self, number):
+        self.known -= 1
+        if self.workers[number].chunk is not None:
+            self.waiting.appendleft(self.workers[number].chunk)
+            self._assign()
