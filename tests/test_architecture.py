@@ -38,7 +38,7 @@ MODULES_OF = {
     "registration": {"bpy"},
     "cli": set(),
     "commands": {"numpy", "tqdm"},
-    "batch": {"bpy", "numpy"},
+    "batch": {"bpy", "numpy", "tqdm"},
 }
 """Room and the modules from outside, Python's own apart, that it may import."""
 

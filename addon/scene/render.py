@@ -2,30 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import bpy
 
 from ..errors import InputError
-
-# In the order in which Blender lets them be set: what may follow depends on what went before.
-EXR = {"file_format": "OPEN_EXR", "color_depth": "32", "exr_codec": "ZIP"}
-PNG = {"file_format": "PNG", "color_depth": "8", "compression": 15}
-# What differs from one render to the next and would make equal pictures differ as files.
-STAMPS = ("date", "time", "render_time", "memory", "hostname", "filename")
+from . import render_task
 
 
 def engine_id(engine: str) -> str:
     """Blender's identifier for "eevee" or "cycles"; raises InputError for another."""
-    eevee = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
-    identifiers = {"eevee": eevee, "cycles": "CYCLES"}
-    if engine.lower() not in identifiers:
+    if engine.lower() not in render_task.ENGINES:
         raise InputError("--engine", f'"{engine}" is not known', "use eevee or cycles")
-    return identifiers[engine.lower()]
+    return render_task.ENGINES[engine.lower()]
 
 
 def render(
@@ -39,31 +28,22 @@ def render(
     The EXR holds 32-bit float, scene-linear values at the file's own size; the PNG beside it went
     through the scene's view transform. Either file is whole or absent, and all settings are
     put back. `camera` names an object, `engine` is "eevee" or "cycles" (None: the scene's).
-    Raises InputError for an unknown camera or engine.
+    Raises InputError for an unknown camera or engine, and for pictures that cannot be written.
     """
     exr = Path(path_exr).resolve()
-    png = exr.with_suffix(".png")
-    settings = scene.render.image_settings
-    with contextlib.ExitStack() as stack:
-        put = lambda owner, **values: stack.enter_context(_set(owner, values))  # noqa: E731
-        put(scene, camera=_camera(scene, camera))
-        if engine is not None:
-            put(scene.render, engine=engine_id(engine))
-        put(scene.render, **{f"use_stamp_{stamp}": False for stamp in STAMPS})
-        if hasattr(settings, "media_type"):
-            put(settings, media_type="IMAGE")
-        mode = "RGBA" if scene.render.film_transparent else "RGB"
-        put(settings, color_management="FOLLOW_SCENE")
-        exr.parent.mkdir(parents=True, exist_ok=True)
-        bpy.ops.render.render(scene=scene.name)
-        result = bpy.data.images["Render Result"]
-        for path, form in ((exr, EXR), (png, PNG)):
-            put(settings, **form, color_mode=mode)
-            _save(result, scene, path)
-    return exr, png
+    if engine is not None:
+        engine_id(engine)
+        engine = engine.lower()
+    found = find_camera(scene, camera)
+    try:
+        render_task.picture(scene, exr, found, engine)
+    except (ValueError, OSError, RuntimeError) as error:
+        raise InputError(exr, f"cannot be written ({error})", "check the folder") from error
+    return exr, exr.with_suffix(".png")
 
 
-def _camera(scene: bpy.types.Scene, name: str | None) -> bpy.types.Object:
+def find_camera(scene: bpy.types.Scene, name: str | None) -> bpy.types.Object:
+    """Return a scene's camera of this name, its active one for None; InputError without."""
     place = f'scene "{scene.name}"'
     if name is None:
         if scene.camera is None:
@@ -74,24 +54,3 @@ def _camera(scene: bpy.types.Scene, name: str | None) -> bpy.types.Object:
         known = ", ".join(o.name for o in scene.objects if o.type == "CAMERA") or "none"
         raise InputError(place, f'has no camera "{name}"', f"it has {known}")
     return found
-
-
-def _save(image: bpy.types.Image, scene: bpy.types.Scene, path: Path) -> None:
-    part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-    try:
-        image.save_render(str(part), scene=scene)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-
-
-@contextlib.contextmanager
-def _set(owner: Any, values: dict[str, Any]) -> Iterator[None]:
-    before = {name: getattr(owner, name) for name in values}
-    try:
-        for name, value in values.items():
-            setattr(owner, name, value)
-        yield
-    finally:
-        for name, value in before.items():
-            setattr(owner, name, value)

@@ -1,0 +1,290 @@
+"""A study, read from its TOML file: scenes x skies x variants x cameras x frames.
+
+Everything that can be told without Blender is checked here.
+"""
+
+from __future__ import annotations
+
+import csv
+import datetime
+import hashlib
+import json
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from .toml_table import Table, read_toml
+
+KEYS = {
+    "out": "folder for everything that comes of the study",
+    "scenes": "blend files",
+    "cameras": 'names, or "all"',
+    "skies": "HDRI files, or tables",
+    "variants": "tables with name and assign",
+    "engine": "eevee or cycles",
+    "samples": "of each pixel",
+    "resolution": "[width, height]",
+    "frames": "numbers; the scene's current one",
+    "white": "[R, G, B] or auto, as of apply",
+    "sun": "whether HDRIs' suns shine; true",
+    "ground": "auto, hdri, modelled or none",
+    "occlusion": "open, dome or baked",
+    "bounce": "whether a bake holds one bounce",
+    "gloss": "whether materials keep gloss",
+    "basis": "of skylight; atmosphere",
+    "tolerance": "CIEDE2000",
+    "quality": "of simulated skies: preview or reference",
+    "sky_width": "of simulated skies [pixels]; 1024",
+}
+SKY_KEYS = ("file", "name", "date", "times", "latitude", "longitude", "timezone", "north")
+VARIANT_KEYS = ("name", "assign")
+
+
+@dataclass(frozen=True)
+class Sky:
+    """A sky file, or a sun to simulate one for.
+
+    ``north`` [degrees]: where true north is in the scene, clockwise from +Y seen from above.
+    ``sun``: elevation and azimuth from true north, clockwise [degrees].
+    """
+
+    name: str
+    content: str
+    """Hash of what decides the sky's pixels."""
+    north: float
+    file: Path | None = None
+    sun: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Variant:
+    """Materials' reflectances, (name, (81,)) by material."""
+
+    name: str
+    content: str
+    reflectances: dict[str, tuple[str, NDArray[np.float64]]]
+
+
+@dataclass(frozen=True)
+class Study:
+    """What is to be rendered; paths are absolute."""
+
+    path: Path
+    out: Path
+    scenes: tuple[Path, ...]
+    cameras: tuple[str, ...] | None
+    """None: all of each scene."""
+    skies: tuple[Sky, ...]
+    variants: tuple[Variant, ...]
+    frames: tuple[int, ...] | None
+    engine: str | None
+    samples: int | None
+    resolution: tuple[int, int] | None
+    quality: str
+    sky_width: int
+    settings: dict[str, Any] = field(default_factory=dict)
+    """Options of `spectral.Settings`."""
+
+    @property
+    def plan(self) -> Path:
+        """Where the study's plan lies."""
+        return self.out / "plan.jsonl"
+
+
+def read_study(path: str | Path) -> Study:
+    """Read a study with its CSVs and skies.
+
+    Raises `InputError` for whatever of it cannot be rendered, with file, key and cure: unknown
+    keys, files that are missing or damaged, suns too low to simulate, names given twice.
+    """
+    path = Path(path).resolve()
+    table = read_toml(path, KEYS)
+    here = path.parent
+    scenes = table.items("scenes", (str,), "give blend files")
+    cameras = table.items("cameras", (str,), 'give names, or "all"')
+    resolution = table.items("resolution", (int,), "give [width, height]", None)
+    if resolution and (len(resolution) != 2 or not all(1 <= n <= 65536 for n in resolution)):
+        table.wrong("resolution", "give [width, height], each 1 to 65536")
+    frames = table.items("frames", (int,), "give whole numbers", None)
+    study = Study(
+        path=path,
+        out=here / table.text("out"),
+        scenes=tuple(_file(table.place, here / name) for name in scenes),
+        cameras=None if cameras == ["all"] else _once(table, "cameras", cameras),
+        skies=_skies(table, here),
+        variants=_variants(table, here),
+        frames=None if frames is None else _once(table, "frames", frames),
+        engine=table.choice("engine", ("eevee", "cycles"), None),
+        samples=table.whole("samples", 1, 1 << 24, None),
+        resolution=None if resolution is None else (resolution[0], resolution[1]),
+        quality=table.choice("quality", ("preview", "reference"), "preview"),
+        sky_width=table.whole("sky_width", 8, 8192, 1024),
+        settings=_settings(table),
+    )
+    _once(table, "scenes", [str(scene) for scene in study.scenes])
+    _check_folder(study.out)
+    return study
+
+
+def _settings(table: Table) -> dict[str, Any]:
+    white = table.values.get("white")
+    if white is not None and white != "auto":
+        white = table.items("white", (int, float), "give [R, G, B] or auto")
+        if len(white) != 3 or not all(0.0 < part < float("inf") for part in white):
+            table.wrong("white", "give three numbers above 0, or auto")
+        white = tuple(float(part) for part in white)
+    found = {
+        "white": white,
+        "sun": table.switch("sun", True),
+        "ground": table.choice("ground", ("auto", "hdri", "modelled", "none"), "auto"),
+        "occlusion": table.choice("occlusion", ("open", "dome", "baked"), "open"),
+        "bounce": table.switch("bounce", False),
+        "gloss": table.switch("gloss", False),
+        "basis": table.text("basis", "atmosphere"),
+        "tolerance": table.number("tolerance", 1e-6, 100.0, None),
+    }
+    if found["bounce"] and found["occlusion"] != "baked":
+        table.wrong("bounce", 'is part of a bake: add occlusion = "baked"')
+    return found
+
+
+def _skies(table: Table, here: Path) -> tuple[Sky, ...]:
+    found = table.items("skies", (str, dict), "give HDRI files, or tables with date and times")
+    skies: list[Sky] = []
+    for number, value in enumerate(found, 1):
+        values = {"file": value} if isinstance(value, str) else value
+        skies += _sky(Table(f"{table.place}, skies {number}", values, SKY_KEYS), here)
+    return tuple(skies)
+
+
+def _sky(table: Table, here: Path) -> Iterable[Sky]:
+    """Give the skies of one table: a file's, or one for each of its times."""
+    from ..sky.panorama import read_panorama
+    from ..sky.simulation import LOWEST_SUN
+    from ..sky.sun_position import sun_position
+
+    if "file" in table.values:
+        for key in ("date", "times", "latitude", "longitude", "timezone"):
+            if key in table.values:
+                table.wrong(key, "leave it out beside a file, or leave out the file")
+        file = _file(table.place, here / table.text("file"))
+        read_panorama(file)
+        north = float(table.number("north", -360.0, 360.0, 0.0))
+        yield Sky(table.text("name", file.stem), file_hash(file), north, file=file)
+        return
+    date = str(table.items("date", (str, datetime.date), "give YYYY-MM-DD")[0])[:10]
+    times = table.items("times", (str, datetime.time), "give times such as 09:00")
+    latitude = table.number("latitude", -90.0, 90.0)
+    longitude = table.number("longitude", -180.0, 180.0)
+    zone = table.items("timezone", (str, int, float), "give Europe/Berlin, or hours such as +2")[0]
+    zone = zone if isinstance(zone, str) else f"{zone:+g}"
+    north = float(table.number("north", -360.0, 360.0))
+    for given in times:
+        time = str(given)
+        try:
+            sun = sun_position(date, time, latitude, longitude, zone)
+        except InputError as error:
+            raise InputError(table.place, str(error).replace("--", ""), "change that") from None
+        if sun[0] < LOWEST_SUN:
+            raise InputError(
+                f"{table.place}, {date} {time}",
+                f"the sun is {-sun[0]:.1f}° below the horizon",
+                f"skies are simulated down to {LOWEST_SUN:g}°: leave that time out",
+            )
+        name = f"{table.text('name', '')}_{date}_{time[:5].replace(':', '')}".lstrip("_")
+        yield Sky(name, content_hash([*sun]), north, sun=sun)
+
+
+def _variants(table: Table, here: Path) -> tuple[Variant, ...]:
+    default = [{"name": "as-is"}]  # the scene as it is, with what it has of spectral materials
+    found = table.items("variants", (dict,), "give tables with name and assign", default)
+    variants = []
+    for number, values in enumerate(found, 1):
+        one = Table(f"{table.place}, variants {number}", values, VARIANT_KEYS)
+        name, assign = one.text("name"), one.text("assign", None)
+        given = {} if assign is None else _assigned(_file(one.place, here / assign), here)
+        content = content_hash({m: [name, rho.tolist()] for m, (name, rho) in given.items()})
+        variants.append(Variant(name, content, given))
+    _once(table, "variants", [variant.name for variant in variants])
+    return tuple(variants)
+
+
+def _assigned(path: Path, here: Path) -> dict[str, tuple[str, NDArray[np.float64]]]:
+    """Read which material has which reflectance; FILE.csv:COLUMN is relative to its own folder."""
+    from ..spectra.reflectance import read_assigned, split_assignment
+
+    found: dict[str, tuple[str, NDArray[np.float64]]] = {}
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError(path, "is not UTF-8 text", "save it as UTF-8") from None
+    lines = [line for line in text.splitlines() if not line.lstrip().startswith("#")]
+    delimiter = max(",;\t", key=lines[0].count) if lines else ","
+    rows = csv.DictReader(lines, delimiter=delimiter, skipinitialspace=True)
+    names = [name.strip() for name in rows.fieldnames or ()]
+    for wanted in _COLUMNS:
+        if wanted not in names:
+            held = ", ".join(names) or "none"
+            raise InputError(path, f'has no column "{wanted}"', f"its columns are {held}")
+    rows.fieldnames = names
+    for row in rows:
+        place = f"{path}, line {rows.line_num}"
+        material, reflectance = (str(row[key] or "").strip() for key in _COLUMNS)
+        if not (material or reflectance):
+            continue
+        if not (material and reflectance):
+            raise InputError(place, "is half empty", "give material and reflectance")
+        if material in found:
+            raise InputError(place, f'names "{material}" again', "give each material once")
+        beside, _ = split_assignment(str(path.parent / reflectance))
+        folder = path.parent if Path(beside).is_file() else here
+        found[material] = read_assigned(str(folder / reflectance))
+    if not found:
+        raise InputError(path, "assigns nothing", "give material and reflectance in each line")
+    return found
+
+
+_COLUMNS = ("material", "reflectance")
+
+
+def _file(place: str, path: Path) -> Path:
+    if not path.is_file():
+        raise InputError(place, f"there is no file {path}", "paths are relative to the study")
+    return path.resolve()
+
+
+def _once(table: Table, key: str, values: list[Any]) -> tuple[Any, ...]:
+    for value in values:
+        if values.count(value) > 1:
+            raise InputError(f'{table.place}, "{key}"', f"{value} is given twice", "leave one out")
+    return tuple(values)
+
+
+def _check_folder(out: Path) -> None:
+    """Raise InputError unless files can be written into ``out``, which is made."""
+    import tempfile
+
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=out):
+            pass
+    except OSError as error:
+        raise InputError(
+            out, f"cannot be written to ({error.strerror})", 'change "out", or the folder\'s rights'
+        ) from None
+
+
+def content_hash(content: Any) -> str:
+    """Return a hash of plain data."""
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
+
+
+def file_hash(path: Path) -> str:
+    """Return a hash of a file's bytes."""
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()[:24]

@@ -1,0 +1,373 @@
+"""One picture, whole or not at all: what `render` calls, and a script for a plain Blender.
+
+A batch puts a copy of this very file beside its plan: it needs Blender, nothing of the package.
+
+    blender -b --factory-startup -P render_task.py -- PLAN.jsonl --first 0 --count 40
+    blender -b --factory-startup -P render_task.py -- --serve
+
+The second reads tasks from stdin, a JSON object a line, and answers each by a line on stdout that
+starts with `ANSWER`. Exit code 1 where a task failed. bpy as a module: `python render_task.py …`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import os
+import queue
+import shutil
+import socket
+import struct
+import sys
+import threading
+import time
+import zlib
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+ANSWER = "skylight-task "
+"""What an answer's line starts with: Blender greets on stdout before any script can stop it."""
+
+# In the order in which Blender lets them be set: what may follow depends on what went before.
+EXR = {"file_format": "OPEN_EXR", "color_depth": "32", "exr_codec": "ZIP"}
+PNG = {"file_format": "PNG", "color_depth": "8", "compression": 15}
+# What differs from one render to the next and would make equal pictures differ as files.
+STAMPS = ("date", "time", "render_time", "memory", "hostname", "filename")
+CYCLES_STAMPS = b"cycles."  # more of that, which no setting turns off
+
+EEVEE = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
+ENGINES = {"eevee": EEVEE, "cycles": "CYCLES"}
+
+
+def part_of(path: Path) -> Path:
+    """Return the name under which this process writes a file before it is whole."""
+    host = "".join(c for c in socket.gethostname() if c.isalnum() or c == "-")
+    return path.with_name(f".{path.stem}.{host}.{os.getpid()}.part{path.suffix}")
+
+
+def picture(scene: Any, exr: Path, camera: Any, engine: str | None = None, note: str = "") -> None:
+    """Render a scene's current frame to an EXR and, through its view transform, a PNG beside it.
+
+    Both are checked and then moved into place; all settings are put back. ``engine``: one of
+    `ENGINES` (None: the scene's); ``note`` goes into both files. Raises ValueError or OSError for
+    pictures that came out damaged or could not be written.
+    """
+    settings, width, height = scene.render.image_settings, *size(scene)
+    with contextlib.ExitStack() as stack:
+        put = lambda owner, **values: stack.enter_context(_set(owner, values))  # noqa: E731
+        put(scene, camera=camera)
+        if engine is not None:
+            put(scene.render, engine=ENGINES[engine])
+        put(scene.render, **{f"use_stamp_{stamp}": False for stamp in STAMPS})
+        put(scene.render, use_stamp_note=bool(note), stamp_note_text=note)
+        if hasattr(settings, "media_type"):
+            put(settings, media_type="IMAGE")
+        mode = "RGBA" if scene.render.film_transparent else "RGB"
+        put(settings, color_management="FOLLOW_SCENE")
+        exr.parent.mkdir(parents=True, exist_ok=True)
+        bpy.ops.render.render(scene=scene.name)
+        result = bpy.data.images["Render Result"]
+        for path, form in ((exr.with_suffix(".png"), PNG), (exr, EXR)):  # the EXR last: then done
+            put(settings, **form, color_mode=mode)
+            part = part_of(path)
+            try:
+                result.save_render(str(part), scene=scene)
+                content = without_times(part.read_bytes())
+                check(content, width, height, note)
+                part.write_bytes(content)
+                part.replace(path)
+            finally:
+                part.unlink(missing_ok=True)
+
+
+def size(scene: Any) -> tuple[int, int]:
+    """Return width and height of a scene's pictures [pixels]."""
+    render = scene.render
+    share = render.resolution_percentage
+    width, height = (n * share // 100 for n in (render.resolution_x, render.resolution_y))
+    if render.use_border and render.use_crop_to_border:
+        x = (int(render.border_min_x * width), int(render.border_max_x * width))
+        y = (int(render.border_min_y * height), int(render.border_max_y * height))
+        return max(1, x[1] - x[0]), max(1, y[1] - y[0])
+    return width, height
+
+
+@contextlib.contextmanager
+def _set(owner: Any, values: dict[str, Any]) -> Iterator[None]:
+    before = {name: getattr(owner, name) for name in values}
+    try:
+        for name, value in values.items():
+            setattr(owner, name, value)
+        yield
+    finally:
+        for name, value in before.items():
+            setattr(owner, name, value)
+
+
+# Whole files. OpenEXR 2.0 file layout, https://openexr.com/en/latest/OpenEXRFileLayout.html;
+# PNG third edition, https://www.w3.org/TR/png-3. Only what `EXR` and `PNG` make Blender write.
+
+
+def whole(exr: Path, width: int, height: int, note: str) -> bool:
+    """Return whether a picture's two files are there, complete, of this size and with this note."""
+    try:
+        for path in (exr, exr.with_suffix(".png")):
+            check(path.read_bytes(), width, height, note)
+    except (OSError, ValueError):
+        return False
+    return True
+
+
+def check(content: bytes, width: int, height: int, note: str = "") -> None:
+    """Decode a picture to its last scanline; ValueError says what is wrong with it."""
+    try:
+        found = (_check_png if content[:4] == b"\x89PNG" else _check_exr)(content, width, height)
+    except (struct.error, zlib.error, IndexError) as error:
+        raise ValueError(f"it is cut short or damaged ({error})") from None
+    if note and found != note:
+        raise ValueError("it was made from other data")
+
+
+def without_times(content: bytes) -> bytes:
+    """Return a picture without what Cycles notes of its own speed."""
+    if content[:4] == b"\x89PNG":
+        keep = [c for kind, c in _chunks(content) if not c[8:].startswith(CYCLES_STAMPS)]
+        return content[:8] + b"".join(keep)
+    attributes, end = _attributes(content)
+    gone = [(a, b) for name, _, a, b in attributes if name.startswith(CYCLES_STAMPS)]
+    header, place = b"", 0
+    for first, last in gone:
+        header += content[place:first]
+        place = last
+    header += content[place:end]
+    shift, lines = end - len(header), _blocks(content, end)
+    table = struct.pack(f"<{len(lines)}Q", *(offset - shift for offset in lines))
+    return header + table + content[end + len(table) :]
+
+
+def _attributes(content: bytes) -> tuple[list[tuple[bytes, bytes, int, int]], int]:
+    """Return name, value, start and end of each entry of an EXR's header, and where that ends."""
+    if content[:5] != b"v/1\x01\x02" or content[5] & ~4:  # bit 10 allows long names
+        raise ValueError("it is no OpenEXR file of scanlines")
+    found, place = [], 8
+    while content[place]:
+        start = place
+        name = content[place : content.index(b"\0", place)]
+        place = content.index(b"\0", place + len(name) + 1) + 1
+        length = struct.unpack_from("<i", content, place)[0]
+        found.append((name, content[place + 4 : place + 4 + length], start, place + 4 + length))
+        place += 4 + length
+    return found, place + 1
+
+
+def _blocks(content: bytes, end: int) -> tuple[int, ...]:
+    """Return where an EXR's blocks of 16 scanlines start, by the table behind its header."""
+    header = {name: value for name, value, _, _ in _attributes(content)[0]}
+    _, top, _, bottom = struct.unpack("<4i", header[b"dataWindow"])
+    return struct.unpack_from(f"<{(bottom - top) // 16 + 1}Q", content, end)
+
+
+def _check_exr(content: bytes, width: int, height: int) -> str:
+    attributes, end = _attributes(content)
+    header = {name: value for name, value, _, _ in attributes}
+    left, top, right, bottom = struct.unpack("<4i", header[b"dataWindow"])
+    if (right - left + 1, bottom - top + 1) != (width, height):
+        raise ValueError(f"it has {right - left + 1} x {bottom - top + 1} pixels")
+    channels, place = [], 0
+    while header[b"channels"][place]:
+        stop = header[b"channels"].index(b"\0", place)
+        kind = struct.unpack_from("<i", header[b"channels"], stop + 1)[0]
+        channels.append((header[b"channels"][place:stop].decode(), kind))
+        place = stop + 17
+    if channels not in ([(c, 2) for c in "BGR"], [(c, 2) for c in "ABGR"]):
+        raise ValueError(f"its channels are {channels}, not R, G, B in 32 bits")
+    if header[b"compression"] != b"\3":
+        raise ValueError("it is not ZIP compressed")
+    for row, offset in zip(range(0, height, 16), _blocks(content, end), strict=True):
+        y, packed = struct.unpack_from("<2i", content, offset)
+        data = content[offset + 8 : offset + 8 + packed]
+        wanted = min(16, height - row) * width * 4 * len(channels)
+        if y - top != row or len(data) != packed:
+            raise ValueError(f"it is cut short at line {row}")
+        if packed < wanted:
+            data = zlib.decompress(data)
+        if len(data) != wanted:
+            raise ValueError(f"it is damaged at line {row}")
+        if packed < wanted:  # undo the predictor, then the halves of the words
+            steps = np.frombuffer(data, np.uint8).cumsum(dtype=np.uint8)
+            steps[1::2] -= 128
+            data = np.stack(np.split(steps, 2), axis=1).tobytes()
+        if not np.isfinite(np.frombuffer(data, "<f4")).all():
+            raise ValueError(f"it holds values that are not finite at line {row} or below")
+    return header.get(b"Note", b"").decode()
+
+
+def _chunks(content: bytes) -> Iterator[tuple[bytes, bytes]]:
+    """Give kind and all bytes of each chunk of a PNG."""
+    place, kind = 8, b""
+    while kind != b"IEND":
+        length, kind = struct.unpack_from(">I4s", content, place)
+        chunk = content[place : place + 12 + length]
+        if zlib.crc32(chunk[4:-4]) != struct.unpack_from(">I", content, place + 8 + length)[0]:
+            raise ValueError("it is damaged")
+        yield kind, chunk
+        place += len(chunk)
+
+
+def _check_png(content: bytes, width: int, height: int) -> str:
+    chunks = list(_chunks(content))
+    found = struct.unpack_from(">IIBB", chunks[0][1], 8)
+    if found not in ((width, height, 8, 2), (width, height, 8, 6)):
+        raise ValueError(f"it has {found[0]} x {found[1]} pixels of {found[2]} bits")
+    pixels = zlib.decompress(b"".join(chunk[8:-4] for kind, chunk in chunks if kind == b"IDAT"))
+    if len(pixels) != height * (1 + width * (3 if found[3] == 2 else 4)):
+        raise ValueError("it is cut short")
+    texts = [chunk[8:-4].partition(b"\0") for kind, chunk in chunks if kind == b"tEXt"]
+    return next((text.decode("latin-1") for name, _, text in texts if name == b"Note"), "")
+
+
+# Tasks, as `batch/task.py` has them.
+
+
+def missing_files() -> list[str]:
+    """Return what the open file reads from elsewhere and cannot find: images and libraries."""
+    missing = []
+    for image in bpy.data.images:
+        if image.source == "FILE" and image.users and not image.packed_files and image.filepath:
+            path = bpy.path.abspath(image.filepath, library=image.library)
+            missing += [] if Path(path).is_file() else [f'image "{image.name}" ({path})']
+    for library in bpy.data.libraries:
+        path = bpy.path.abspath(library.filepath)
+        missing += [] if Path(path).is_file() else [f'library "{library.name}" ({path})']
+    return missing
+
+
+def _open(path: Path) -> None:
+    """Open a task's blend file, unless it is open already."""
+    if not path.is_file():
+        raise ValueError(f"{path} is missing: prepare the batch")
+    if bpy.data.filepath == str(path):
+        return
+    bpy.ops.wm.open_mainfile(filepath=str(path), load_ui=False, use_scripts=False)
+    if bpy.data.version[:2] > bpy.app.version[:2]:
+        made = ".".join(map(str, bpy.data.version))
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        raise ValueError(f"{path} is of Blender {made}, and this is {bpy.app.version_string}")
+    if missing := missing_files():
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        raise ValueError(f"{path} misses {', '.join(missing)}")
+
+
+def perform(task: dict[str, Any], root: Path, threads: int = 0) -> dict[str, Any]:
+    """Do one task and return its answer: index, status, seconds and, where it failed, error.
+
+    ``status``: ``rendered``, ``skipped`` (it was there, whole) or ``failed``; ``no_space`` marks
+    a failure that others will share. Paths of the task are relative to ``root``.
+    """
+    start = time.monotonic()
+    answer = {"index": task["index"], "blender": bpy.app.version_string}
+    exr = root / task["exr"]
+    try:
+        if whole(exr, *task["resolution"], task["key"]):
+            return {**answer, "status": "skipped", "seconds": time.monotonic() - start}
+        exr.parent.mkdir(parents=True, exist_ok=True)
+        needed = 16 * task["resolution"][0] * task["resolution"][1] + (1 << 20)
+        if shutil.disk_usage(exr.parent).free < needed:
+            raise OSError(28, "No space left on device")
+        _open(root / task["blend"])
+        scene = bpy.data.scenes[task["scene"]]
+        camera = scene.objects.get(task["camera"])
+        if camera is None:
+            raise ValueError(f"{task['blend']} has no camera {task['camera']}")
+        _set_up(scene, task, threads)
+        picture(scene, exr, camera, task["engine"], task["key"])
+    except Exception as error:  # whatever it is, the other tasks go on
+        reason = " ".join(str(error).split()) or type(error).__name__
+        answer["no_space"] = getattr(error, "errno", None) in (28, 122)  # ENOSPC, EDQUOT
+        answer |= {"status": "failed", "error": f"{exr}: {reason}"}
+    else:
+        answer["status"] = "rendered"
+    return {**answer, "seconds": time.monotonic() - start}
+
+
+def _set_up(scene: Any, task: dict[str, Any], threads: int) -> None:
+    render = scene.render
+    render.resolution_x, render.resolution_y = task["resolution"]
+    render.resolution_percentage = 100
+    render.use_border = False
+    if task["samples"]:
+        scene.eevee.taa_render_samples = task["samples"]
+        if hasattr(scene, "cycles"):
+            scene.cycles.samples = task["samples"]
+    if threads:
+        render.threads_mode, render.threads = "FIXED", threads
+    scene.frame_set(task["frame"])
+
+
+def _served() -> Iterator[dict[str, Any]]:
+    """Give the tasks of stdin; where it closes, whoever asked is gone and so is this process."""
+    lines: queue.Queue[str] = queue.Queue()
+
+    def listen() -> None:
+        for line in sys.stdin:
+            lines.put(line)
+        os._exit(0)
+
+    threading.Thread(target=listen, daemon=True).start()
+    while True:
+        yield json.loads(lines.get())
+
+
+def _planned(plan: Path, first: int, count: int | None) -> Iterator[dict[str, Any]]:
+    with plan.open(encoding="utf-8") as file:
+        for number, line in enumerate(file, start=-1):  # the first line is the plan's header
+            if first <= number and (count is None or number < first + count):
+                yield json.loads(line)
+
+
+def main(arguments: list[str]) -> int:
+    """Do the tasks that the arguments name; return the exit code."""
+    parser = argparse.ArgumentParser(prog="render_task.py")
+    parser.add_argument("plan", nargs="?", type=Path, help="tasks, from the second line on")
+    parser.add_argument("--first", type=int, default=0, help="number of the first task")
+    parser.add_argument("--count", type=int, help="how many; default: all")
+    parser.add_argument("--serve", action="store_true", help="tasks from stdin, answers to stdout")
+    parser.add_argument("--root", type=Path, help="of the tasks' paths; default: the plan's folder")
+    parser.add_argument("--threads", type=int, default=0, help="of a render; default: all cores")
+    options = parser.parse_args(arguments)
+    here = Path(__file__) if options.plan is None else options.plan
+    root = (options.root or here.parent).resolve()
+    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
+    os.dup2(2, 1)  # what Blender prints goes where warnings go
+    tasks: Iterable[dict[str, Any]]
+    if options.serve:
+        tasks = _served()
+    elif options.plan is None:
+        parser.error("give a plan or --serve")
+    else:
+        tasks = _planned(options.plan, options.first, options.count)
+    failed = 0
+    for task in tasks:
+        answer = perform(task, root, options.threads)
+        failed += answer["status"] == "failed"
+        print(ANSWER + json.dumps(answer), file=answers, flush=True)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    code = 1
+    try:
+        code = main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:])
+    except SystemExit as stop:
+        code = int(stop.code or 0)
+    except BaseException as error:
+        print(f"render_task.py: {error}", file=sys.stderr)
+    finally:
+        sys.stdout.flush()
+        sys.stderr.flush()
+        os._exit(code)  # Blender before 5.0 can crash at exit, and does not pass a code on
