@@ -272,11 +272,12 @@ def perform(task: dict[str, Any], root: Path, threads: int = 0) -> dict[str, Any
     start = time.monotonic()
     answer = {"index": task["index"], "blender": bpy.app.version_string}
     exr = root / task["exr"]
+    width, height = task["resolution"]
     try:
-        if whole(exr, *task["resolution"], task["key"]):
+        if whole(exr, width, height, task["key"]):
             return {**answer, "status": "skipped", "seconds": time.monotonic() - start}
         exr.parent.mkdir(parents=True, exist_ok=True)
-        needed = 16 * task["resolution"][0] * task["resolution"][1] + (1 << 20)
+        needed = 20 * width * height + (1 << 20)
         if shutil.disk_usage(exr.parent).free < needed:
             raise OSError(28, "No space left on device")
         _open(root / task["blend"])
