@@ -1,66 +1,78 @@
 """Which pictures of a plan are rendered next, together, and again.
 
-One policy for worker processes here, for a farm's workers, and for the simulation of a thousand of
-them in the benchmarks: it knows neither Blender nor clocks, only a pool that takes chunks of
-pictures and gives them back.
+One policy for the workers of a farm and for the simulation of a thousand of them in
+the benchmarks: it knows neither Blender nor clocks, only a pool that takes chunks of pictures and
+gives them back with an answer for each.
 """
 
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator, Mapping
-from itertools import groupby
-from typing import Protocol, TypeVar
-
-Result = TypeVar("Result", covariant=True)
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, Protocol, TypeVar
 
 CHUNK = 12
-"""Pictures that one start of Blender renders, where nothing else is said."""
+"""Pictures that a worker is given at once, where nothing else is said."""
 
 
-class Pool(Protocol[Result]):
+class Picture(Protocol):
+    """What of a task counts here, see `task.Task`."""
+
+    @property
+    def index(self) -> int: ...
+    @property
+    def blend(self) -> str: ...
+
+
+P = TypeVar("P", bound=Picture)
+Answer = dict[str, Any]
+"""What `render_task.perform` says of a picture; ``status`` is ``failed`` where it is not there."""
+
+
+class Pool(Protocol[P]):
     """Workers that render chunks, in any order."""
 
     def room(self) -> int:
-        """Chunks that may be given to it now without waiting."""
+        """Chunks that may be given to it now; at least 1 while it has none."""
 
-    def submit(self, chunk: range) -> None:
-        """Begin a chunk: pictures by their place in the plan."""
+    def submit(self, chunk: Sequence[P]) -> None:
+        """Begin a chunk."""
 
-    def finished(self) -> tuple[range, Mapping[int, Result], Mapping[int, str]]:
-        """Wait for a chunk, and return it with the results and the errors of its pictures."""
+    def finished(self) -> tuple[Sequence[P], Sequence[Answer]]:
+        """Wait for a chunk, and return it with an answer for each of its pictures."""
 
 
 def chunks(
-    files: Iterable[str], size: int = CHUNK, total: int | None = None, workers: int = 1
-) -> Iterator[range]:
-    """Cut a plan into chunks of pictures of one prepared file, at most `size` each.
+    pictures: Iterable[P], size: int = CHUNK, total: int | None = None, workers: int = 1
+) -> Iterator[list[P]]:
+    """Cut a plan into chunks of consecutive pictures of one prepared file, at most `size` each.
 
-    `files` has the prepared file of each picture, in the plan's order. With their `total` the
-    chunks shrink towards the end, to half of an equal share of what is left for each of the
-    `workers`, so that all of them end together (guided self-scheduling, DOI
+    With the plan's `total` the chunks shrink towards its end, to half of an equal share of what is
+    left for each of the `workers`, so that all of them end together (guided self-scheduling, DOI
     10.1109/TC.1987.5009495).
     """
-    first = 0
-    for _, group in groupby(files):
-        end = first + sum(1 for _ in group)
-        while first < end:
-            share = size if total is None else -(-(total - first) // (2 * workers))
-            count = max(1, min(size, share, end - first))
-            yield range(first, first + count)
-            first += count
+    done, chunk = 0, list[P]()
+    for picture in pictures:
+        if chunk and (picture.blend != chunk[0].blend or len(chunk) >= size):
+            yield chunk
+            done, chunk = done + len(chunk), []
+        if not chunk and total is not None:
+            size = max(1, min(size, -(-(total - done) // (2 * workers))))
+        chunk.append(picture)
+    if chunk:
+        yield chunk
 
 
 def dispatch(
-    work: Iterator[range], pool: Pool[Result], tries: int = 3
-) -> Iterator[tuple[int, Result | str]]:
-    """Have all chunks rendered; yield each picture once, with its result or its last error.
+    work: Iterator[Sequence[P]], pool: Pool[P], tries: int = 3
+) -> Iterator[tuple[P, Answer]]:
+    """Have all chunks rendered; yield each picture once, with the answer that counts.
 
     A picture that fails is tried again, alone and after all others, `tries` times in all. `work` is
     read only as far as the pool has room: what is held is as small for a plan of a million
     pictures as for one of ten.
     """
-    again: deque[range] = deque()
+    again: deque[Sequence[P]] = deque()
     failures: Counter[int] = Counter()
     away = 0
     while True:
@@ -72,14 +84,13 @@ def dispatch(
             away += 1
         if not away:
             return
-        chunk, results, errors = pool.finished()
+        chunk, answers = pool.finished()
         away -= 1
-        for number in chunk:
-            if number in results:
-                yield number, results[number]
-                continue
-            failures[number] += 1
-            if failures[number] < tries:
-                again.append(range(number, number + 1))
-            else:
-                yield number, errors[number]
+        for picture, answer in zip(chunk, answers, strict=True):
+            if answer["status"] == "failed":
+                failures[picture.index] += 1
+                if failures[picture.index] < tries:
+                    again.append([picture])
+                    continue
+                answer = {**answer, "tries": tries}
+            yield picture, answer

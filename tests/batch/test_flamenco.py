@@ -38,11 +38,19 @@ def test_the_settings_are_such_as_the_manager_knows():
     ],
 )
 def test_each_range_is_a_task(text, expected):
-    *tasks, last = manager.compile_job({"plan": PLAN, "pictures": text})
+    tasks = manager.compile_job({"plan": PLAN, "pictures": text})
     assert [pictures(task) for task in tasks] == expected
     assert {task["type"] for task in tasks} == {"blender"}
     assert len({task["name"] for task in tasks}) == len(tasks)
+    assert not any(task["dependencies"] for task in tasks)
+
+
+def test_the_report_comes_last():
+    job = {"plan": PLAN, "pictures": "0-39/10", "study": "{shared}/house.toml"}
+    *tasks, last = manager.compile_job(job)
     assert last["dependencies"] == [task["uuid"] for task in tasks]
+    line = manager.command_line(last, {"shared": "/farm"})
+    assert line == ["spectral-skylight", "batch", "run", "/farm/house.toml"]
 
 
 @pytest.mark.parametrize("text", ("", "5-3", "0-9/0", "1,,2", "a-b", "-3", "0-9;8"))
@@ -64,7 +72,7 @@ def test_what_is_no_range_is_refused(text):
     ],
 )
 def test_the_script_lies_beside_the_plan(plan, script):
-    task, _ = manager.compile_job({"plan": plan, "pictures": "0"})
+    (task,) = manager.compile_job({"plan": plan, "pictures": "0"})
     line = manager.command_line(task, {})
     assert line[line.index("-P") + 1] == script
     assert line[line.index("--") + 1] == plan
@@ -79,4 +87,4 @@ def test_a_relative_plan_is_refused(plan):
 def test_a_plan_of_100_000_pictures():
     """One job; Flamenco takes more than 1,000 tasks since 3.3."""
     tasks = manager.compile_job({"plan": PLAN, "pictures": "0-99999/12"})
-    assert len(tasks) == 8334 + 1
+    assert len(tasks) == 8334

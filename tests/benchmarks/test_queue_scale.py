@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon.batch.dispatch import chunks, dispatch
-from spectral_skylight.tests.benchmarks.virtual_farm import LOAD, VirtualFarm
+from spectral_skylight.tests.benchmarks.virtual_farm import LOAD, Picture, VirtualFarm
 
 WORKERS, CAMERAS = 1000, 40
 
@@ -19,12 +19,12 @@ def night(pictures=100_000, workers=WORKERS, dying=0.01, taper=True, seed=1, siz
     """One simulated run: the farm afterwards, the outcomes, and the time of equal shares."""
     rng = np.random.default_rng(seed)
     seconds = rng.lognormal(np.log(60), 0.5, pictures)  # a minute each, some three
-    files = np.arange(pictures) // CAMERAS
-    ideal = (seconds.sum() + LOAD * files[-1]) / workers
+    ideal = (seconds.sum() + LOAD * pictures / CAMERAS) / workers
     dead = rng.choice(workers, round(dying * workers), replace=False)
     deaths = dict(zip(dead, rng.uniform(0, ideal, dead.size), strict=True))
-    farm = VirtualFarm(seconds, files, workers, deaths, seed=seed, **farm)
-    work = chunks(files.tolist(), size, pictures if taper else None, workers)
+    farm = VirtualFarm(seconds, workers, deaths, seed=seed, **farm)
+    plan = (Picture(n, f"sky {n // CAMERAS}.blend") for n in range(pictures))
+    work = chunks(plan, size, pictures if taper else None, workers)
     outcomes = list(dispatch(work, farm))
     return farm, outcomes, ideal
 
@@ -36,8 +36,8 @@ def test_a_night_in_which_one_in_a_hundred_dies(benchmark, capsys, orphan):
     farm, outcomes, ideal = benchmark.pedantic(night, kwargs=night_of, rounds=1)
 
     # Each picture has one outcome; only what never renders is missing, after three tries.
-    assert sorted(number for number, _ in outcomes) == list(range(100_000))
-    assert {number for number, outcome in outcomes if isinstance(outcome, str)} == broken
+    assert sorted(picture.index for picture, _ in outcomes) == list(range(100_000))
+    assert {p.index for p, answer in outcomes if answer["status"] == "failed"} == broken
     assert farm.whole == set(range(100_000)) - broken
     tries = np.bincount(farm.renders, minlength=100_000)
     assert all(tries[number] == 3 for number in broken)
@@ -67,16 +67,16 @@ def test_chunks_that_shrink_end_together():
 
 def test_everybody_dies_but_one():
     farm, outcomes, _ = night(200, workers=8, dying=7 / 8)
-    assert sorted(number for number, _ in outcomes) == list(range(200))
+    assert sorted(picture.index for picture, _ in outcomes) == list(range(200))
     assert farm.whole == set(range(200))
 
 
 def test_chunks_keep_a_files_pictures_together():
-    files = ["a"] * 5 + ["b"] * 30 + ["a"] * 2
-    cut = list(chunks(files, 12))
-    assert [n for chunk in cut for n in chunk] == list(range(37))
+    plan = [Picture(n, blend) for n, blend in enumerate("a" * 5 + "b" * 30 + "a" * 2)]
+    cut = list(chunks(plan, 12))
+    assert [picture for chunk in cut for picture in chunk] == plan
     assert [len(chunk) for chunk in cut] == [5, 12, 12, 6, 2]
-    assert all(len({files[n] for n in chunk}) == 1 for chunk in cut)
+    assert all(len({picture.blend for picture in chunk}) == 1 for chunk in cut)
 
 
 def test_a_plan_without_end_is_read_as_far_as_there_is_room():
@@ -93,15 +93,15 @@ def test_a_plan_without_end_is_read_as_far_as_there_is_room():
 
         def finished(self):
             chunk = self.away.pop(0)
-            return chunk, dict.fromkeys(chunk, 0), {}
+            return chunk, [{"status": "rendered"}] * len(chunk)
 
     read = []
 
     def endless():
         while True:
-            read.append("file")
-            yield str(len(read) // 4)
+            read.append(Picture(len(read), str(len(read) // 4)))
+            yield read[-1]
 
     done = list(islice(dispatch(chunks(endless()), Pool()), 1000))
-    assert [number for number, _ in done] == list(range(1000))
+    assert [picture for picture, _ in done] == read[:1000]
     assert len(read) < 1000 + 6 * 4

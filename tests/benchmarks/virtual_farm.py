@@ -6,6 +6,7 @@ import heapq
 from collections import deque
 from dataclasses import dataclass, field
 from itertools import count
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,13 +14,20 @@ LOAD, SKIP = 3.0, 0.05
 """Seconds to open a prepared file, and to find a picture finished."""
 
 
+class Picture(NamedTuple):
+    """What of a task counts here."""
+
+    index: int
+    blend: str
+
+
 @dataclass
 class Worker:
     """One Blender: what it renders, since when, and whether its machine is still there."""
 
-    chunk: range | None = None
-    pictures: deque[int] = field(default_factory=deque)
-    file: int = -1
+    chunk: list[Picture] | None = None
+    pictures: deque[Picture] = field(default_factory=deque)
+    blend: str = ""
     since: float = 0.0
     alive: bool = True
 
@@ -27,16 +35,14 @@ class Worker:
 class VirtualFarm:
     """A scheduler as Dask's or Flamenco's: a lost worker's chunk goes to another, once noticed.
 
-    `seconds` (pictures,) is what each takes, `files` (pictures,) its prepared file; `deaths` maps a
-    worker to the time of its end. Blender outlives its `orphan` worker until the picture under
-    way is done, else the machine is gone. Pictures in `broken` fail whenever they are
-    tried, others with the probability `flaky`.
+    `seconds` (pictures,) is what each takes; `deaths` maps a worker to the time of its end. Blender
+    outlives its `orphan` worker until the picture under way is done, else the machine is gone.
+    Pictures in `broken` fail whenever they are tried, others with the probability `flaky`.
     """
 
     def __init__(
         self,
         seconds: np.ndarray,
-        files: np.ndarray,
         workers: int,
         deaths: dict[int, float],
         notice: float = 60.0,
@@ -45,11 +51,11 @@ class VirtualFarm:
         flaky: float = 0.0,
         seed: int = 1,
     ) -> None:
-        self.seconds, self.files, self.notice, self.orphan = seconds, files, notice, orphan
+        self.seconds, self.notice, self.orphan = seconds, notice, orphan
         self.broken, self.flaky, self.rng = broken, flaky, np.random.default_rng(seed)
         self.workers = [Worker() for _ in range(workers)]
         self.idle = deque(range(workers))
-        self.waiting: deque[range] = deque()
+        self.waiting: deque[list[Picture]] = deque()
         self.finished_chunks: deque = deque()
         self.known = workers
         self.now, self.order, self.events = 0.0, count(), []
@@ -57,7 +63,7 @@ class VirtualFarm:
         self.renders: list[int] = []
         self.lost = 0.0
         self.away = self.most_away = 0
-        self.errors: dict[int, str] = {}
+        self.failed: set[int] = set()
         for worker, time in deaths.items():
             self._at(time, self._death, worker)
 
@@ -78,8 +84,9 @@ class VirtualFarm:
             happens(argument)
         self.away -= 1
         chunk = self.finished_chunks.popleft()
-        errors = {n: self.errors.pop(n) for n in chunk if n in self.errors}
-        return chunk, {n: self.now for n in chunk if n not in errors}, errors
+        failed = {picture.index for picture in chunk} & self.failed
+        self.failed -= failed
+        return chunk, [{"status": "failed" if p.index in failed else "rendered"} for p in chunk]
 
     # What happens meanwhile.
 
@@ -102,11 +109,11 @@ class VirtualFarm:
             self.idle.append(number)
             self._assign()
             return
-        picture = worker.pictures[0]
+        picture, blend = worker.pictures[0]
         worker.since, takes = self.now, SKIP
         if picture not in self.whole:
-            takes = self.seconds[picture] + LOAD * (worker.file != self.files[picture])
-            worker.file = self.files[picture]
+            takes = self.seconds[picture] + LOAD * (worker.blend != blend)
+            worker.blend = blend
         self._at(self.now + takes, self._picture, (number, picture, takes > SKIP))
 
     def _picture(self, event):
@@ -119,7 +126,7 @@ class VirtualFarm:
         if rendered:
             self.renders.append(picture)
         if failed and worker.alive:
-            self.errors[picture] = "did not render"
+            self.failed.add(picture)
         elif not failed:
             self.lost += (self.now - worker.since) * (rendered and picture in self.whole)
             self.whole.add(picture)

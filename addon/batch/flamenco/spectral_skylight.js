@@ -13,48 +13,52 @@ const JOB_TYPE = {
         { key: "pictures", type: "string", required: true,
           description: "Pictures by their place in the plan. Each range is one task; A-B/N is cut " +
               "into tasks of at most N pictures. Examples: '0-39', '0-39,40-79', '0-1439/12'" },
-        { key: "report", type: "string", required: false, default: "",
-          description: "The command spectral-skylight on a worker that has it; it writes the " +
-              "report at the end. Empty: the last task only checks that every picture is there" },
+        { key: "study", type: "string", subtype: "file_path", required: false, default: "",
+          description: "The study, STUDY.toml, for a report at the end. Needs a worker with the " +
+              "command spectral-skylight" },
     ],
 };
 
 function compileJob(job) {
     const settings = job.settings;
     const plan = absolute(settings.plan);
-    const last = author.Task("report", settings.report ? "misc" : "blender");
-    for (const range of ranges(settings.pictures)) {
+    const renders = ranges(settings.pictures).map(function (range) {
         const task = author.Task("pictures " + range.first + "-" + range.last, "blender");
-        task.addCommand(blender(plan, [
-            "--first", String(range.first), "--count", String(range.last - range.first + 1),
-        ]));
-        job.addTask(task);
-        last.addDependency(task);
+        task.addCommand(blender(plan, range));
+        return task;
+    });
+    renders.forEach(function (task) { job.addTask(task); });
+    if (settings.study) {
+        // Finds all pictures in place, and writes the report.
+        const report = author.Task("report", "misc");
+        report.addCommand(author.Command("exec", {
+            exe: "spectral-skylight", args: ["batch", "run", absolute(settings.study)],
+        }));
+        renders.forEach(function (task) { report.addDependency(task); });
+        job.addTask(report);
     }
-    last.addCommand(settings.report
-        ? author.Command("exec", { exe: settings.report, args: ["batch", "report", plan] })
-        : blender(plan, ["--check"]));
-    job.addTask(last);
 }
 
 // A command that starts Blender without add-ons and preferences on the script beside the plan.
-function blender(plan, args) {
+function blender(plan, range) {
     // Not path.join(): it would take one of the two slashes from a network share's path.
     const script = plan.replace(/[^\/\\]*$/, "render_task.py");
     return author.Command("exec", {
         exe: "{blender}",
-        args: ["-b", "--factory-startup", "--python-exit-code", "1", "-P", script, "--", plan]
-            .concat(args),
+        args: [
+            "-b", "--factory-startup", "--python-exit-code", "1", "-P", script, "--", plan,
+            "--first", String(range.first), "--count", String(range.last - range.first + 1),
+        ],
     });
 }
 
-// Workers start Blender in folders of their own, so the plan's path is absolute on Linux, macOS or
-// Windows, or starts with one of the Manager's variables.
-function absolute(plan) {
-    if (!/^(\/|\\\\|[A-Za-z]:[\\/]|\{)/.test(plan || "")) {
-        throw new Error("plan: \"" + plan + "\" is no absolute path");
+// Workers start commands in folders of their own, so paths are absolute on Linux, macOS or Windows,
+// or start with one of the Manager's variables.
+function absolute(file) {
+    if (!/^(\/|\\\\|[A-Za-z]:[\\/]|\{)/.test(file || "")) {
+        throw new Error("\"" + file + "\" is no absolute path");
     }
-    return plan;
+    return file;
 }
 
 // "0-39,40-99/30" as [{first: 0, last: 39}, {first: 40, last: 69}, {first: 70, last: 99}].
