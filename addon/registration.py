@@ -12,9 +12,19 @@ from typing import Any
 
 import bpy
 
-from .ui import apply, bake, choose_reflectance, load_sky, panels, properties, remove, update
+from .ui import (
+    apply,
+    bake,
+    choose_reflectance,
+    load_sky,
+    panels,
+    properties,
+    remove,
+    update,
+    wheels,
+)
 
-MODULES = (properties, load_sky, choose_reflectance, apply, update, bake, remove, panels)
+MODULES = (properties, load_sky, choose_reflectance, apply, update, bake, remove, wheels, panels)
 CLASSES: tuple[type, ...] = tuple(cls for module in MODULES for cls in module.CLASSES)
 
 _undo: list[Callable[[], Any]] = []  # what takes back each step of `register`, in its order

@@ -32,7 +32,7 @@ class SKYLIGHT_PT_main(Sidebar, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         if wheels.missing():
-            readout.paragraph(layout, context, wheels.missing(), "ERROR")
+            wheels.draw(layout, context)
             return
         layout.template_ID(context.scene, "world")
         layout.operator("skylight.load_sky", text="Load Sky HDRI...", icon="FILEBROWSER")
@@ -150,7 +150,7 @@ class SKYLIGHT_PT_material_properties(bpy.types.Panel):
 
     def draw(self, context):
         if wheels.missing():
-            readout.paragraph(self.layout, context, wheels.missing(), "ERROR")
+            wheels.draw(self.layout, context)
             return
         _material(self.layout, context, targets.active(context))
 

@@ -1,12 +1,28 @@
-"""Whether the Python modules are there that the add-on's zip brings."""
+"""Whether the Python modules are there that the add-on's zip brings, and what to do without."""
 
 from __future__ import annotations
 
 import importlib.util
+import sys
 from functools import cache
+from importlib.machinery import PathFinder
+from pathlib import Path
 
-NEEDED = {"colour": "colour-science", "scipy": "scipy", "OpenEXR": "OpenEXR"}
-"""Module and what people call it."""
+import bpy
+
+from . import readout
+
+NEEDED = {
+    "colour": "colour-science==0.4.6",
+    "scipy": "scipy",
+    "OpenEXR": "OpenEXR",
+    "tqdm": "tqdm",
+    "typing_extensions": "typing-extensions",
+}
+"""Module and what pip installs it by."""
+
+PYTHONS = ((3, 11), (3, 13))
+"""Of Blender's own builds; the zips have wheels for these."""
 
 
 @cache
@@ -15,10 +31,68 @@ def missing() -> str:
 
     Looked up once a session (modules are found, not imported), for panels ask at every redraw.
     """
-    names = [name for module, name in NEEDED.items() if importlib.util.find_spec(module) is None]
+    names = [name.partition("=")[0] for module, name in NEEDED.items() if not _found(module)]
     if not names:
         return ""
+    python = "{}.{}".format(*sys.version_info)
+    if sys.version_info[:2] in PYTHONS:
+        cure = (
+            "install the Spectral Skylight zip made for your platform "
+            "(Preferences, Get Extensions, Install from Disk)"
+        )
+    else:
+        cure = (
+            f"no zip brings them for this Blender's Python {python}, so press Copy Command, run it "
+            "in a terminal"
+        )
     return (
-        f"{' and '.join(names)} missing: install the Spectral Skylight zip made for your platform "
-        "(Preferences, Get Extensions, Install from Disk), then restart Blender"
+        f"{', '.join(names)} missing: {cure}, then restart Blender; "
+        "finished files render without them"
     )
+
+
+def command() -> str:
+    """What to run in a terminal where no zip fits, empty where one does or nothing is missing.
+
+    It installs into Blender's folder for users' own modules, and leaves the system and numpy alone.
+    """
+    if not missing() or sys.version_info[:2] in PYTHONS:
+        return ""
+    folder = bpy.utils.user_resource("SCRIPTS", path="modules")
+    packages = " ".join(NEEDED.values())
+    return f'"{sys.executable}" -m pip install --no-deps --target "{folder}" {packages}'
+
+
+def _found(module: str) -> bool:
+    """Whether a module can be found that was made for this Python."""
+    spec = importlib.util.find_spec(module)
+    if spec is None:
+        return False
+    if module != "scipy":
+        return True
+    # Wheels of another Python leave a package that is found and cannot be imported.
+    (folder,) = spec.submodule_search_locations or [""]
+    return PathFinder.find_spec("_ccallback_c", [str(Path(folder) / "_lib")]) is not None
+
+
+def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """The sentence, and where no zip fits the button that copies the command."""
+    readout.paragraph(layout, context, missing(), "ERROR")
+    if command():
+        layout.operator("skylight.copy_command", icon="COPYDOWN")
+
+
+class SKYLIGHT_OT_copy_command(bpy.types.Operator):
+    """Copy the command that installs what is missing, to be run in a terminal"""
+
+    bl_idname = "skylight.copy_command"
+    bl_label = "Copy Command"
+
+    def execute(self, context):
+        """Put the command on the clipboard, and into the log."""
+        context.window_manager.clipboard = command()
+        self.report({"INFO"}, command())
+        return {"FINISHED"}
+
+
+CLASSES = (SKYLIGHT_OT_copy_command,)
