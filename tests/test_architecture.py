@@ -1,6 +1,7 @@
 """The house rules, held by reading every import in the package.
 
 Data goes one way: files → spectra, sky → transfer → scene (with node_groups) → ui, commands.
+Pictures are drawn of what spectra, sky and transfer hold, with numpy alone: for panel and commands.
 """
 
 import ast
@@ -17,12 +18,13 @@ MAY_IMPORT = {
     "spectra": {"errors"},
     "sky": {"errors", "spectra"},
     "transfer": {"errors", "spectra", "sky"},
+    "pictures": {"errors", "spectra", "sky", "transfer"},
     "node_groups": set(),
     "scene": {"errors", "spectra", "sky", "transfer", "node_groups"},
-    "ui": {"errors", "scene", "spectra"},
+    "ui": {"errors", "scene", "spectra", "pictures"},
     "registration": {"ui", "cli"},
     "cli": {"errors", "commands"},
-    "commands": {"errors", "spectra", "sky", "transfer", "scene", "batch"},
+    "commands": {"errors", "spectra", "sky", "transfer", "pictures", "scene", "batch"},
     "batch": {"errors", "spectra", "sky", "transfer", "scene"},
 }
 """Room and the other rooms that it may import from."""
@@ -32,6 +34,7 @@ MODULES_OF = {
     "spectra": {"numpy", "colour", "scipy"},
     "sky": {"numpy", "OpenEXR", "pvlib", "scipy", "tqdm"},
     "transfer": {"numpy", "colour", "matplotlib", "scipy", "tqdm"},
+    "pictures": {"numpy", "scipy"},
     "node_groups": {"bpy"},
     "scene": {"bpy", "embreex", "mathutils", "numpy"},
     "ui": {"bpy"},

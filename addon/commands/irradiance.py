@@ -33,10 +33,11 @@ def run(options: argparse.Namespace) -> None:
     """Write the irradiance map; print the fit."""
     import numpy as np
 
+    from ..pictures.png_file import write_png
+    from ..pictures.sky_map import marked
     from ..sky.irradiance import irradiance_map
     from ..sky.light import analyse
     from ..sky.panorama import read_panorama, write_panorama
-    from ..sky.png_file import write_png
     from ..transfer.matrices import transfer
     from ..transfer.white import estimate_white, settle_white
 
@@ -50,7 +51,7 @@ def run(options: argparse.Namespace) -> None:
         light = analyse(panorama, options.degree)
     write_panorama(options.out, irradiance_map(light.sky, options.width))
     if options.map is not None:
-        write_png(options.map, light.outside.picture(panorama.rgb))
+        write_png(options.map, marked(light.outside, panorama.rgb))
     report = light.report()
     notes = [*report["notes"], note] if note else report["notes"]
     if options.json:

@@ -26,9 +26,6 @@ _SOME = 0.1
 mean (see tests/stability), a tenth of it among skylight a quarter: more than the sky itself does.
 """
 
-_MARKS = {GROUND: (150.0, 150.0, 150.0), FOREIGN: (204.0, 60.0, 160.0)}
-_SUN_MARK = (240.0, 228.0, 66.0)
-
 
 @dataclass(frozen=True)
 class Outside:
@@ -73,27 +70,6 @@ class Outside:
         """Whether most light on the faces together is foreign."""
         return bool(self.shares.mean(axis=0)[FOREIGN] > 0.5)
 
-    def picture(self, sky: ArrayLike) -> NDArray[np.uint8]:
-        """Return the sky with its kinds marked, (h, 2 h, 3) sRGB, the labels' size.
-
-        ``sky``: the panorama, (rows, columns, 3). Skylight is shown as it is, ground grey, foreign
-        light magenta, both as bright as they are, and the sun's place yellow, larger than it is.
-        """
-        from scipy.ndimage import binary_dilation
-
-        rgb = _blocks(sky)
-        luminance = np.maximum(rgb @ LUMINANCE, 0.0)
-        middle = np.median(luminance[luminance > 0.0]) if luminance.any() else 1.0
-        # Reinhard's curve, the median at middle grey.
-        scale = 1.0 / (luminance + 4.0 * middle)
-        shown = np.clip(rgb * scale[..., None], 0.0, 1.0) ** (1.0 / 2.2) * 255.0
-        brightness = 0.3 + 0.7 * (luminance * scale) ** (1.0 / 2.2)
-        for kind, colour in _MARKS.items():
-            here = self.labels == kind
-            shown[here] = np.multiply.outer(brightness[here], colour)
-        shown[binary_dilation(self.labels == SUN, iterations=2)] = _SUN_MARK
-        return np.round(shown).astype(np.uint8)
-
 
 def classify(
     sky: ArrayLike, sun: Sun | None = None, S_in: NDArray[np.float64] | None = None
@@ -104,7 +80,7 @@ def classify(
     horizon skylight of any sun elevation counts, for cameras make a clear sky as blue as it is at
     twilight; under it what this sun's light is off a grey ground.
     """
-    rgb = _blocks(sky)
+    rgb = blocks(sky)
     height, width = rgb.shape[:2]
     labels = np.full((height, width), SKY, np.uint8)
     horizon = (height + 1) // 2
@@ -132,7 +108,7 @@ def outside(
     """
     normals = np.asarray(normals, dtype=float)
     labels = classify(sky, sun, S_in)
-    luminance = _blocks(sky) @ LUMINANCE
+    luminance = blocks(sky) @ LUMINANCE
     # What fills the disc's place is sky; the disc itself comes from `sun`.
     groups = (np.isin(labels, (SKY, SUN)), labels == GROUND, labels == FOREIGN)
     masked = np.stack([luminance * group for group in groups], axis=-1)
@@ -145,7 +121,7 @@ def outside(
     return Outside(labels, np.divide(light, total, out=np.zeros_like(light), where=total > 0))
 
 
-def _blocks(sky: ArrayLike) -> NDArray[np.float32]:
+def blocks(sky: ArrayLike) -> NDArray[np.float32]:
     """Return a sky's means over square blocks of pixels, about `_ROWS` rows of them."""
     rgb = np.asarray(sky)
     height = len(rgb)

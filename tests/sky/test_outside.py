@@ -1,19 +1,17 @@
 """The map of an HDRI: each kind of pixel is found, counted by its light, and shown."""
 
 import json
-import zlib
 
 import numpy as np
 import pytest
 
 from spectral_skylight.addon import cli
-from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.sky.light import FACES, analyse
 from spectral_skylight.addon.sky.outside import FOREIGN, GROUND, KINDS, SKY, SUN, classify, outside
 from spectral_skylight.addon.sky.panorama import LUMINANCE, directions, from_pixels, read_panorama
-from spectral_skylight.addon.sky.png_file import write_png
 from spectral_skylight.addon.spectra.bases import rayleigh
 from spectral_skylight.addon.spectra.sensitivities import camera, observer
+from spectral_skylight.tests.pictures.reading import read_png
 
 HEIGHT = 64
 BLUE = observer() @ rayleigh()[1]  # sunlight scattered once
@@ -103,37 +101,6 @@ def test_fine_skies_are_looked_at_in_blocks():
     assert not (classify(rgb) == FOREIGN).any()
 
 
-def test_the_picture_shows_the_kinds():
-    rgb = sky(BLUE, LEAF)
-    found = outside(rgb, None, FACES)
-    picture = found.picture(rgb)
-    assert picture.shape == (HEIGHT, 2 * HEIGHT, 3) and picture.dtype == np.uint8
-    red, green, blue = picture[0, 0].astype(int)
-    assert blue > green > red  # the sky as it is
-    red, green, blue = picture[-1, 0].astype(int)
-    assert red > blue > green  # magenta, and not the leaves' green
-
-
-def decoded(path):
-    content = path.read_bytes()
-    assert content.startswith(b"\x89PNG\r\n\x1a\n")
-    width, height = (int.from_bytes(content[k : k + 4], "big") for k in (16, 20))
-    start = content.index(b"IDAT") + 4
-    rows = zlib.decompress(content[start : content.index(b"IEND") - 8])
-    return np.frombuffer(rows, np.uint8).reshape(height, -1)[:, 1:].reshape(height, width, 3)
-
-
-def test_png_keeps_its_pixels(tmp_path):
-    pixels = np.random.default_rng(3).integers(0, 256, (5, 7, 3), dtype=np.uint8)
-    write_png(tmp_path / "a.png", pixels)
-    np.testing.assert_array_equal(decoded(tmp_path / "a.png"), pixels)
-    image = pytest.importorskip("matplotlib.image")
-    read = image.imread(tmp_path / "a.png")
-    np.testing.assert_array_equal(np.round(read[..., :3] * 255), pixels)
-    with pytest.raises(InputError, match="choose another place"):
-        write_png(tmp_path / "none" / "a.png", pixels)
-
-
 # Foreign light that a person sees in the picture: grass and orange walls, leaves, tarpaulins.
 FOREIGN_IN_REAL_SKIES = {
     "blender_studiolights/courtyard.exr": (0.12, 0.25),
@@ -165,6 +132,6 @@ def test_the_command_writes_the_map_and_the_figures(tmp_path, capsys):
     found = json.loads(capsys.readouterr().out)["outside"]
     assert found["kinds"] == list(KINDS) and np.shape(found["shares"]) == (9, 4)
     assert found["mostly"] and found["verdict"].startswith("mostly outside")
-    assert decoded(tmp_path / "map.png").shape == (HEIGHT, 2 * HEIGHT, 3)
+    assert read_png(tmp_path / "map.png").shape == (HEIGHT, 2 * HEIGHT, 3)
     assert cli.main(["irradiance", str(tmp_path / "sky.exr"), *out]) == 0
     assert "mostly outside the model" in capsys.readouterr().out
