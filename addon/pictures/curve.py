@@ -82,7 +82,7 @@ def place_y(reflectance: ArrayLike, top: float) -> NDArray[np.float64]:
 
 def highest(reflectance: NDArray[np.float64]) -> float:
     """Return where the axis ends: dark materials get a closer look."""
-    return next((end for end in (0.1, 0.2, 0.5) if reflectance.max() <= end), 1.0)
+    return next((end for end in (0.1, 0.2, 0.5) if reflectance.max() <= 0.95 * end), 1.0)
 
 
 def _axes(canvas: Canvas, theme: Theme, top: float) -> None:

@@ -5,6 +5,7 @@ Blender's Python brings no writer that works without a file open, and its users 
 
 from __future__ import annotations
 
+import os
 import struct
 import zlib
 from pathlib import Path
@@ -18,8 +19,8 @@ from ..errors import InputError
 def write_png(path: str | Path, rgb: NDArray[np.uint8]) -> None:
     """Write sRGB pixels, (h, w, 3) uint8, row 0 at the top.
 
-    PNG, third edition (https://www.w3.org/TR/png-3). Raises `InputError` when the place cannot be
-    written to.
+    PNG, third edition (https://www.w3.org/TR/png-3); whole or not at all. Raises `InputError`
+    when the place cannot be written to.
     """
     height, width, _ = rgb.shape
     filter_none = np.zeros((height, 1), np.uint8)
@@ -30,9 +31,13 @@ def write_png(path: str | Path, rgb: NDArray[np.uint8]) -> None:
         struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
         for name, data in chunks
     )
+    part = Path(path).with_name(f".{Path(path).name}.{os.getpid()}")
     try:
-        Path(path).write_bytes(content)
+        part.write_bytes(content)
+        part.replace(path)
     except OSError as error:
         raise InputError(
             path, f"cannot be written ({error.strerror})", "choose another place"
         ) from error
+    finally:
+        part.unlink(missing_ok=True)
