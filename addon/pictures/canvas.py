@@ -7,7 +7,6 @@ colours are sRGB, 0 to 1.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -15,13 +14,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import lettering
 
-Colour = Sequence[float] | NDArray[np.float64]
-
 
 class Canvas:
     """A sheet of ``width`` by ``height`` units, ``scale`` pixels each, of one colour at first."""
 
-    def __init__(self, width: float, height: float, scale: float, paper: Colour) -> None:
+    def __init__(self, width: float, height: float, scale: float, paper: ArrayLike) -> None:
         self.scale = scale
         self.width, self.height = width, height
         shape = round(height * scale), round(width * scale)
@@ -34,18 +31,23 @@ class Canvas:
         return np.round(self._pixels * 255.0).astype(np.uint8)
 
     def rectangle(
-        self, x0: float, y0: float, x1: float, y1: float, colour: Colour, opacity: float = 1.0
+        self, x0: float, y0: float, x1: float, y1: float, colour: ArrayLike, opacity: float = 1.0
     ) -> None:
         """Fill an upright rectangle."""
         self._paint(self._upright(x0, y0, x1, y1) * opacity, colour)
 
-    def frame(self, x0: float, y0: float, x1: float, y1: float, colour: Colour, width: float):
+    def frame(self, x0: float, y0: float, x1: float, y1: float, colour: ArrayLike, width: float):
         """Draw a rectangle's outline, ``width`` wide, inside its edges."""
         outer = self._upright(x0, y0, x1, y1)
         self._paint(outer - self._upright(x0 + width, y0 + width, x1 - width, y1 - width), colour)
 
     def area(
-        self, x: ArrayLike, top: ArrayLike, bottom: ArrayLike, colour: Colour, opacity: float = 1.0
+        self,
+        x: ArrayLike,
+        top: ArrayLike,
+        bottom: ArrayLike,
+        colour: ArrayLike,
+        opacity: float = 1.0,
     ) -> None:
         """Fill between two curves over x, which increases; ``colour``: one, or one for each x."""
         x = np.asarray(x, dtype=float) * self.scale
@@ -56,7 +58,7 @@ class Canvas:
         )
         rows = np.arange(self._pixels.shape[0])[:, None]
         covered = np.clip(low, rows, rows + 1.0) - np.clip(high, rows, rows + 1.0)
-        covered = np.maximum(covered, 0.0) * self._covered(*x[[0, -1]] / self.scale, 1)
+        covered = np.maximum(covered, 0.0) * self._covered(x[0] / self.scale, x[-1] / self.scale, 1)
         shade = np.asarray(colour, dtype=float)
         if shade.ndim == 2:
             shade = np.stack([np.interp(middle, x, part) for part in shade.T], axis=-1)
@@ -66,7 +68,7 @@ class Canvas:
         self,
         x: ArrayLike,
         y: ArrayLike,
-        colour: Colour,
+        colour: ArrayLike,
         width: float,
         dash: tuple[float, float] | None = None,
         opacity: float = 1.0,
@@ -80,7 +82,9 @@ class Canvas:
             covered[block] = np.maximum(covered[block], np.clip(half + 0.5 - distance, 0.0, 1.0))
         self._paint(covered * opacity, colour)
 
-    def disc(self, x: float, y: float, radius: float, colour: Colour, opacity: float = 1.0) -> None:
+    def disc(
+        self, x: float, y: float, radius: float, colour: ArrayLike, opacity: float = 1.0
+    ) -> None:
         """Fill a circle."""
         self.line([x, x], [y, y], colour, 2.0 * radius, opacity=opacity)
 
@@ -103,7 +107,7 @@ class Canvas:
         y: float,
         text: str,
         size: float,
-        colour: Colour,
+        colour: ArrayLike,
         align: float = 0.0,
         room: float | None = None,
     ) -> float:
@@ -133,7 +137,7 @@ class Canvas:
             low * self.scale, (high - low) * self.scale, 1, self._pixels.shape[axis]
         )[:, 0]
 
-    def _paint(self, covered: NDArray[np.float64], colour: Colour) -> None:
+    def _paint(self, covered: NDArray[np.float64], colour: ArrayLike) -> None:
         rows, columns = np.flatnonzero(covered.any(axis=1)), np.flatnonzero(covered.any(axis=0))
         if rows.size:  # most shapes are small
             block = np.s_[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1]
@@ -142,7 +146,9 @@ class Canvas:
             self._blend(self._pixels[block], covered[block], shade)
 
     @staticmethod
-    def _blend(pixels: NDArray[np.float64], covered: NDArray[np.float64], colour: Colour) -> None:
+    def _blend(
+        pixels: NDArray[np.float64], covered: NDArray[np.float64], colour: ArrayLike
+    ) -> None:
         pixels += covered[..., None] * (np.asarray(colour, dtype=float) - pixels)
 
     def _distance(self, start, end, margin: float):

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..spectra.grid import WAVELENGTHS
-from .canvas import Canvas, Colour
+from .canvas import Canvas
 from .spectral_colours import spectral_colours
 from .theme import DARK, Theme
 
@@ -91,8 +91,8 @@ def _axes(canvas: Canvas, theme: Theme, top: float) -> None:
         y = float(place_y(share * top, top))
         canvas.rectangle(LEFT, y - 0.5, RIGHT, y + 0.5, theme.faint, 0.6)
         canvas.text(LEFT - 8, y + 7, f"{100 * share * top:g} %", _TEXT, theme.faint, 1.0)
-    edges = np.linspace(BOTTOM + 4, BOTTOM + 4 + _BAND, 2)
-    canvas.area(place_x(WAVELENGTHS), *edges, spectral_colours())
+    band = BOTTOM + 4
+    canvas.area(place_x(WAVELENGTHS), band, band + _BAND, spectral_colours())
     for nm in (400, 500, 600, 700):
         x = float(place_x(nm))
         canvas.rectangle(x - 0.5, TOP, x + 0.5, BOTTOM, theme.faint, 0.35)
@@ -114,7 +114,7 @@ def _key(canvas: Canvas, theme: Theme, sky: bool, held: bool, estimated: bool) -
 
 def _sample(
     canvas: Canvas,
-    colour: Colour,
+    colour: ArrayLike,
     x: float,
     y: float,
     words: str,

@@ -41,9 +41,9 @@ def matrix(
     largest = max(np.abs(M).max(), np.abs(other).max(), 1e-9)
     canvas = Canvas(SIZE, SIZE, scale, theme.paper)
     for place, (name, colour) in enumerate(_CHANNELS.items()):
-        middle = centre(place, place)
-        canvas.text(middle[0], TOP - 14, f"sky {name}", _TEXT, colour, 0.5)
-        canvas.text(LEFT - 34, middle[1] + 8, name, _TEXT, colour, 0.5)
+        x, y = centre(place, place)
+        canvas.text(x, TOP - 14, f"sky {name}", _TEXT, colour, 0.5)
+        canvas.text(LEFT - 34, y + 8, name, _TEXT, colour, 0.5)
     for (row, column), value in np.ndenumerate(M):
         x, y = centre(row, column)
         half = CELL / 2
