@@ -72,7 +72,7 @@ def _look(study: Study, path: Path) -> SceneFile:
             if name not in known:
                 raise _absent(f"{path}, variant {variant.name}", "material", name, known)
             materials.check_editable(files.material(name))
-    names = {identifier: name for name, identifier in render_task.ENGINES.items()}
+    names = {identifier: name for name, identifier in render_task.engines().items()}
     engine = study.engine or names.get(scene.render.engine)
     if engine is None:
         raise InputError(path, f"renders with {scene.render.engine}", "give engine in the study")

@@ -49,14 +49,15 @@ VARIANT_KEYS = ("name", "assign")
 class Sky:
     """A sky file, or a sun to simulate one for.
 
-    ``north`` [degrees]: where true north is in the scene, clockwise from +Y seen from above.
+    ``north`` [degrees]: where true north is in the scene, clockwise from +Y seen from above; None
+    for a file that stands as the scene's World, or an unturned one, has it.
     ``sun``: elevation and azimuth from true north, clockwise [degrees].
     """
 
     name: str
     content: str
     """Hash of what decides the sky's pixels."""
-    north: float
+    north: float | None
     file: Path | None = None
     sun: tuple[float, float] | None = None
 
@@ -174,7 +175,7 @@ def _sky(table: Table, here: Path) -> Iterable[Sky]:
                 table.wrong(key, "leave it out beside a file, or leave out the file")
         file = _file(table.place, here / table.text("file"))
         read_panorama(file)
-        north = float(table.number("north", -360.0, 360.0, 0.0))
+        north = table.number("north", -360.0, 360.0, None)
         yield Sky(table.text("name", file.stem), file_hash(file), north, file=file)
         return
     date = str(table.items("date", (str, datetime.date), "give YYYY-MM-DD")[0])[:10]

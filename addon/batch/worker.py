@@ -17,7 +17,7 @@ from typing import IO, Any
 from ..errors import InputError
 from .task import SCRIPT, Task
 
-ANSWER = "skylight-task "  # as in scene/render_task.py, which nothing here can import without bpy
+ANSWER = "skylight-task "  # as render_task.py has it: workers of a farm get this file alone
 
 
 def blender_command(blender: str | Path | None = None) -> list[str]:

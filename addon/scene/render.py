@@ -12,9 +12,9 @@ from . import render_task
 
 def engine_id(engine: str) -> str:
     """Blender's identifier for "eevee" or "cycles"; raises InputError for another."""
-    if engine.lower() not in render_task.ENGINES:
+    if engine.lower() not in render_task.engines():
         raise InputError("--engine", f'"{engine}" is not known', "use eevee or cycles")
-    return render_task.ENGINES[engine.lower()]
+    return render_task.engines()[engine.lower()]
 
 
 def render(

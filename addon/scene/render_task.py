@@ -27,7 +27,6 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-import bpy
 import numpy as np
 
 ANSWER = "skylight-task "
@@ -40,8 +39,13 @@ PNG = {"file_format": "PNG", "color_depth": "8", "compression": 15}
 STAMPS = ("date", "time", "render_time", "memory", "hostname", "filename")
 CYCLES_STAMPS = b"cycles."  # more of that, which no setting turns off
 
-EEVEE = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
-ENGINES = {"eevee": EEVEE, "cycles": "CYCLES"}
+
+def engines() -> dict[str, str]:
+    """Return Blender's identifiers of engines by the names that tasks have for them."""
+    import bpy
+
+    eevee = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
+    return {"eevee": eevee, "cycles": "CYCLES"}
 
 
 def part_of(path: Path) -> Path:
@@ -54,15 +58,17 @@ def picture(scene: Any, exr: Path, camera: Any, engine: str | None = None, note:
     """Render a scene's current frame to an EXR and, through its view transform, a PNG beside it.
 
     Both are checked and then moved into place; all settings are put back. ``engine``: one of
-    `ENGINES` (None: the scene's); ``note`` goes into both files. Raises ValueError or OSError for
+    `engines` (None: the scene's); ``note`` goes into both files. Raises ValueError or OSError for
     pictures that came out damaged or could not be written.
     """
+    import bpy
+
     settings, width, height = scene.render.image_settings, *size(scene)
     with contextlib.ExitStack() as stack:
         put = lambda owner, **values: stack.enter_context(_set(owner, values))  # noqa: E731
         put(scene, camera=camera)
         if engine is not None:
-            put(scene.render, engine=ENGINES[engine])
+            put(scene.render, engine=engines()[engine])
         put(scene.render, **{f"use_stamp_{stamp}": False for stamp in STAMPS})
         put(scene.render, use_stamp_note=bool(note), stamp_note_text=note)
         if hasattr(settings, "media_type"):
@@ -236,6 +242,8 @@ def _check_png(content: bytes, width: int, height: int) -> str:
 
 def missing_files() -> list[str]:
     """Return what the open file reads from elsewhere and cannot find: images and libraries."""
+    import bpy
+
     missing = []
     for image in bpy.data.images:
         if image.source == "FILE" and image.users and not image.packed_files and image.filepath:
@@ -249,6 +257,8 @@ def missing_files() -> list[str]:
 
 def _open(path: Path) -> None:
     """Open a task's blend file, unless it is open already."""
+    import bpy
+
     if not path.is_file():
         raise ValueError(f"{path} is missing: prepare the batch")
     if bpy.data.filepath == str(path):
@@ -269,6 +279,8 @@ def perform(task: dict[str, Any], root: Path, threads: int = 0) -> dict[str, Any
     ``status``: ``rendered``, ``skipped`` (it was there, whole) or ``failed``; ``no_space`` marks
     a failure that others will share. Paths of the task are relative to ``root``.
     """
+    import bpy
+
     start = time.monotonic()
     answer = {"index": task["index"], "blender": bpy.app.version_string}
     exr = root / task["exr"]
@@ -324,6 +336,15 @@ def _served() -> Iterator[dict[str, Any]]:
         yield json.loads(lines.get())
 
 
+def checked(task: dict[str, Any], root: Path, threads: int = 0) -> dict[str, Any]:
+    """Return a task's answer as `perform` does, and render nothing."""
+    answer = {"index": task["index"], "status": "skipped"}
+    width, height = task["resolution"]
+    if not whole(exr := root / task["exr"], width, height, task["key"]):
+        answer |= {"status": "failed", "error": f"{exr}: is not there, or not whole"}
+    return answer
+
+
 def _planned(plan: Path, first: int, count: int | None) -> Iterator[dict[str, Any]]:
     with plan.open(encoding="utf-8") as file:
         for number, line in enumerate(file, start=-1):  # the first line is the plan's header
@@ -338,6 +359,7 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--first", type=int, default=0, help="number of the first task")
     parser.add_argument("--count", type=int, help="how many; default: all")
     parser.add_argument("--serve", action="store_true", help="tasks from stdin, answers to stdout")
+    parser.add_argument("--check", action="store_true", help="render nothing, see what is whole")
     parser.add_argument("--root", type=Path, help="of the tasks' paths; default: the plan's folder")
     parser.add_argument("--threads", type=int, default=0, help="of a render; default: all cores")
     options = parser.parse_args(arguments)
@@ -352,9 +374,9 @@ def main(arguments: list[str]) -> int:
         parser.error("give a plan or --serve")
     else:
         tasks = _planned(options.plan, options.first, options.count)
-    failed = 0
+    failed, do = 0, checked if options.check else perform
     for task in tasks:
-        answer = perform(task, root, options.threads)
+        answer = do(task, root, options.threads)
         failed += answer["status"] == "failed"
         print(ANSWER + json.dumps(answer), file=answers, flush=True)
     return 1 if failed else 0

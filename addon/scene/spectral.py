@@ -5,6 +5,7 @@ The panel, the command line and scripts all call these functions.
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -227,8 +228,18 @@ _NONE: NDArray[np.float64] = np.empty((0, 81))
 def analysed(world: bpy.types.World | None, settings: Settings) -> SkyLight:
     """Return what a World's sky is; raises InputError as `make_spectral` does for it."""
     image = worlds.sky_of(world).image
-    panorama = from_pixels(worlds.pixels_of(image), f'image "{image.name}"')
-    return analyse(panorama, S_in=settings.sensors)
+    pixels, sensors = worlds.pixels_of(image), settings.sensors
+    name = f'image "{image.name}"'
+    content = hashlib.blake2b(name.encode() + sensors.tobytes())
+    content.update(pixels.data)
+    if content.digest() not in _last:
+        found = analyse(from_pixels(pixels, name), S_in=sensors)
+        _last.clear()
+        _last[content.digest()] = found
+    return _last[content.digest()]
+
+
+_last: dict[bytes, SkyLight] = {}  # of the last sky, by a hash of its numbers: it takes seconds
 
 
 def _plain(record: Any) -> dict[str, Any]:

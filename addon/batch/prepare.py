@@ -1,0 +1,214 @@
+"""Making ready what a plan's tasks render from: one blend file a scene, sky and variant.
+
+Each sky is simulated, read and analysed once, for all scenes, variants and cameras under it. What
+is made needs Blender alone: matrices and coefficients lie in the file's sockets, the sky and the
+scene's textures in `prepared/` beside it.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import math
+import os
+import shutil
+from collections.abc import Callable, Iterable
+from dataclasses import asdict, dataclass, replace
+from itertools import groupby
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+from .file_names import file_names
+from .plan import Prepared, prepared_files
+from .scenes import SceneFile
+from .study import Sky, Study, file_hash
+
+FOLDER = "prepared"
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """How many skies were computed, and how many files were made and found ready."""
+
+    skies: int
+    made: int
+    kept: int
+
+
+def prepare(
+    study: Study,
+    scenes: tuple[SceneFile, ...],
+    program: str,
+    say: Callable[[str], None] = lambda line: None,
+) -> Preparation:
+    """Make the files of a plan that are not there yet, and take away those of older plans.
+
+    ``say`` is told what is made next. A file and its record (`record`) are whole or absent.
+    Raises `InputError` for what only now turns out, such as a material that is linked.
+    """
+    out = study.out
+    (out / FOLDER).mkdir(parents=True, exist_ok=True)
+    wanted = list(prepared_files(study, scenes, program))
+    open_ = [each for each in wanted if record(out, each.blend) is None]
+    place = {id(sky): number for number, sky in enumerate(study.skies)}
+    by_sky = sorted(open_, key=lambda each: place[id(each.sky)])
+    skies = 0
+    for _, group in groupby(by_sky, key=lambda each: id(each.sky)):
+        files = list(group)
+        say(f"sky {files[0].sky.name}")
+        picture = _sky_file(study, files[0].sky)
+        skies += 1
+        for each in files:
+            say(each.name)
+            _make(study, each, picture)
+    _tidy(out, wanted)
+    return Preparation(skies, len(open_), len(wanted) - len(open_))
+
+
+def record(out: Path, blend: str) -> dict[str, Any] | None:
+    """Return what is known of a prepared file, None where it is not ready.
+
+    ``scene``, ``sky``, ``variant`` and their names; ``materials``: a dictionary each, as
+    `spectral.Result`; ``notes``: lines to read; ``files``: what it reads from elsewhere.
+    """
+    path = (out / blend).with_suffix(".json")
+    try:
+        return json.loads(path.read_text(encoding="utf-8")) if (out / blend).is_file() else None
+    except (OSError, ValueError):
+        return None
+
+
+def _sky_file(study: Study, sky: Sky) -> Path:
+    """Return the file that a sky is read from; it is simulated where it is none."""
+    if sky.file is not None:
+        return sky.file
+    from ..sky.clear_sky import SCALE, WHITE_LUMINANCE, picture
+    from ..sky.panorama import write_panorama
+    from ..sky.simulation import simulate
+    from ..spectra.sensitivities import observer
+
+    name = file_names([sky.name])[0]
+    path = study.out / FOLDER / f"{name}.{sky.content[:8]}.{study.quality}-{study.sky_width}.exr"
+    if not path.is_file():
+        assert sky.sun is not None
+        elevation, azimuth = sky.sun
+        light = simulate(elevation, quality=study.quality)
+        shines = elevation > 0.0
+        rgb = picture(light, study.sky_width // 2, azimuth, shines, observer() * SCALE)
+        write_panorama(path, rgb, {"whiteLuminance": WHITE_LUMINANCE})
+    return path
+
+
+def _make(study: Study, wanted: Prepared, sky: Path) -> None:
+    """Write one prepared file, then its record."""
+    import bpy
+
+    from ..scene import baking, files, materials, spectral
+    from ..scene import world as worlds
+    from ..scene.settings import BAKED, Settings
+    from ..transfer.white import AUTO
+
+    scene = files.open_scene(wanted.scene.path)
+    options = dict(study.settings)
+    estimated = options["white"] == AUTO and wanted.sky.file is not None
+    settings = Settings(
+        **{**options, "white": None if options["white"] == AUTO else options["white"]}
+    )
+    if wanted.sky.sun is not None:
+        settings = replace(settings, sun_elevation=wanted.sky.sun[0])
+    kept = {each: materials.kept(each) for each in spectral.in_scene(scene)}
+    world = worlds.set_sky(scene, sky)
+    if wanted.sky.north is not None:
+        _turn(world, wanted.sky.north)
+    notes = []
+    if estimated:
+        settings, line = spectral.with_estimated_white(world, settings)
+        notes.append(line)
+    given = wanted.variant.reflectances
+    targets = {**kept, **{files.material(name): found for name, found in given.items()}}
+    light, results = spectral.make_spectral(world, targets, settings)
+    if settings.occlusion == BAKED:
+        for _ in baking.bake(world, settings):
+            pass
+        light, results = spectral.update(world, settings, targets)
+    elsewhere = [line for image in bpy.data.images if (line := _carry(image, study.out / FOLDER))]
+    path = study.out / wanted.blend
+    files.save(path)
+    found = {
+        "name": wanted.name,
+        "scene": wanted.scene.path.stem,
+        "sky": wanted.sky.name,
+        "variant": wanted.variant.name,
+        "sun": wanted.sky.sun or (light.sun and (light.sun.elevation, light.sun.azimuth)),
+        "blender": bpy.app.version_string,
+        "materials": [asdict(result) for result in results],
+        "notes": [*notes, *light.notes],
+        "elsewhere": elsewhere,
+    }
+    write_json(path.with_suffix(".json"), found)
+
+
+def _turn(world: Any, north: float) -> None:
+    """Turn a World about the vertical so that the sky's north stands at ``north``.
+
+    In the HDRI north is +Y. A Mapping looks up direction v at Rz(angle) v, and what stands north in
+    the scene, +Y turned clockwise by ``north`` seen from above, must be found at +Y.
+    """
+    from ..scene import world as worlds
+
+    sky = worlds.sky_of(world)
+    if sky.mapping is not None:
+        angle = math.radians(north)
+        mapping = world.node_tree.nodes[sky.mapping]
+        mapping.inputs["Rotation"].default_value = (0.0, 0.0, -angle if sky.inverse else angle)
+
+
+def _carry(image: Any, folder: Path) -> str:
+    """Put a copy of an image's file beside the prepared ones; say what is read from elsewhere."""
+    import bpy
+
+    if not image.users or image.packed_files or not image.filepath:
+        return ""
+    path = Path(bpy.path.abspath(image.filepath, library=image.library))
+    if image.source != "FILE" or image.library is not None:
+        return f'image "{image.name}" is read from {path}' if image.source != "GENERATED" else ""
+    copy = folder / f"{path.stem}.{file_hash(path)[:8]}{path.suffix}"
+    if path.parent == folder:
+        copy = path
+    elif not copy.is_file():
+        part = copy.with_name(f".{copy.stem}.{os.getpid()}.part{copy.suffix}")
+        shutil.copyfile(path, part)
+        part.replace(copy)
+    with contextlib.suppress(ValueError):  # another drive of Windows
+        image.filepath_raw = bpy.path.relpath(str(copy))
+    return ""
+
+
+def _tidy(out: Path, wanted: Iterable[Prepared]) -> None:
+    """Take away prepared files that no task reads any more."""
+    keep = {(out / each.blend).with_suffix("").name for each in wanted}
+    for path in (out / FOLDER).iterdir():
+        if path.suffix in (".blend", ".json") and path.with_suffix("").name not in keep:
+            path.unlink(missing_ok=True)
+
+
+def write_json(path: Path, content: Any) -> None:
+    """Write plain data, whole or not at all; numbers that are none become null."""
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    try:
+        text = json.dumps(_finite(content), ensure_ascii=False, indent=1, default=list)
+        part.write_text(text + "\n", encoding="utf-8")
+        part.replace(path)
+    except OSError as error:
+        raise InputError(path, f"cannot be written ({error.strerror})", "check the disk") from None
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _finite(content: Any) -> Any:
+    if isinstance(content, dict):
+        return {key: _finite(value) for key, value in content.items()}
+    if isinstance(content, list | tuple):
+        return [_finite(value) for value in content]
+    return None if isinstance(content, float) and not math.isfinite(content) else content
