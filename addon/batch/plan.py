@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..scene.render_task import part_of
 from .file_names import file_names
 from .scenes import SceneFile, look_into, program_hash
 from .study import Sky, Study, Variant, content_hash
@@ -104,7 +105,7 @@ def write_plan(study: Study, scenes: tuple[SceneFile, ...], program: str) -> Pat
         "program": program,
     }
     path = study.plan
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    part = part_of(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with part.open("w", encoding="utf-8", newline="\n") as file:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import json
 import math
-import os
 import shutil
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
@@ -18,11 +17,12 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from ..errors import InputError
+from ..scene.render_task import part_of
 from .file_names import file_names
 from .plan import Prepared, prepared_files
 from .scenes import SceneFile
 from .study import Sky, Study, file_hash
+from .whole_files import write_json
 
 FOLDER = "prepared"
 
@@ -177,7 +177,7 @@ def _carry(image: Any, folder: Path) -> str:
     if path.parent == folder:
         copy = path
     elif not copy.is_file():
-        part = copy.with_name(f".{copy.stem}.{os.getpid()}.part{copy.suffix}")
+        part = part_of(copy)
         shutil.copyfile(path, part)
         part.replace(copy)
     with contextlib.suppress(ValueError):  # another drive of Windows
@@ -191,24 +191,3 @@ def _tidy(out: Path, wanted: Iterable[Prepared]) -> None:
     for path in (out / FOLDER).iterdir():
         if path.suffix in (".blend", ".json") and path.with_suffix("").name not in keep:
             path.unlink(missing_ok=True)
-
-
-def write_json(path: Path, content: Any) -> None:
-    """Write plain data, whole or not at all; numbers that are none become null."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        text = json.dumps(_finite(content), ensure_ascii=False, indent=1, default=list)
-        part.write_text(text + "\n", encoding="utf-8")
-        part.replace(path)
-    except OSError as error:
-        raise InputError(path, f"cannot be written ({error.strerror})", "check the disk") from None
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def _finite(content: Any) -> Any:
-    if isinstance(content, dict):
-        return {key: _finite(value) for key, value in content.items()}
-    if isinstance(content, list | tuple):
-        return [_finite(value) for value in content]
-    return None if isinstance(content, float) and not math.isfinite(content) else content

@@ -132,6 +132,13 @@ def read_study(path: str | Path) -> Study:
     return study
 
 
+def folder_of(path: Path) -> Path:
+    """Return the folder that a study's results go to, made where it is not there."""
+    out = path.parent / read_toml(path, KEYS).text("out")
+    _check_folder(out)
+    return out
+
+
 def _settings(table: Table) -> dict[str, Any]:
     white = table.values.get("white")
     if white is not None and white != "auto":

@@ -50,8 +50,12 @@ def engines() -> dict[str, str]:
 
 def part_of(path: Path) -> Path:
     """Return the name under which this process writes a file before it is whole."""
-    host = "".join(c for c in socket.gethostname() if c.isalnum() or c == "-")
-    return path.with_name(f".{path.stem}.{host}.{os.getpid()}.part{path.suffix}")
+    return path.with_name(f".{path.stem}.{host()}.{os.getpid()}.part{path.suffix}")
+
+
+def host() -> str:
+    """Return this machine's name as names of files can have it."""
+    return "".join(c for c in socket.gethostname() if c.isalnum() or c == "-") or "host"
 
 
 def picture(scene: Any, exr: Path, camera: Any, engine: str | None = None, note: str = "") -> None:

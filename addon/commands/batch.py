@@ -1,0 +1,178 @@
+"""`batch`: many pictures, planned and rendered."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+
+def add(commands: Any) -> None:
+    """Add the command, and those under it, to those of the parser."""
+    parser = commands.add_parser("batch", help="many pictures, here or on a farm")
+    steps = parser.add_subparsers(required=True, metavar="plan|run|report")
+    plan = steps.add_parser("plan", help="check a study and list its pictures")
+    plan.add_argument("study", metavar="STUDY.toml")
+    plan.add_argument(
+        "--prepare", action="store_true", help="make ready what a farm's workers open, too"
+    )
+    plan.set_defaults(run=_plan)
+    run = steps.add_parser("run", help="render what of a study is not there yet")
+    run.add_argument("study", metavar="STUDY.toml|PLAN.jsonl")
+    run.add_argument("--workers", type=_count, help="processes; default: as many as are useful")
+    run.add_argument("--blender", metavar="PATH", help="executable; default: this Blender")
+    run.add_argument("--timeout", type=float, metavar="SECONDS", help="of one picture")
+    run.add_argument("--dry-run", action="store_true", help="only say what would be rendered")
+    run.set_defaults(run=_run)
+    report = steps.add_parser("report", help="write report.html and report.json of a plan")
+    report.add_argument("plan", metavar="PLAN.jsonl|STUDY.toml")
+    report.set_defaults(run=_report)
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 1024:
+        raise argparse.ArgumentTypeError(f"'{text}' is no number of processes")
+    return int(text)
+
+
+def _plan(options: argparse.Namespace) -> None:
+    """Write a study's plan, and say how much it is."""
+    from ..batch import plan, prepare, progress, scenes, study
+    from ..batch.lock import locked
+
+    read = study.read_study(options.study)
+    with locked(read.out):
+        looked, program = scenes.look_into(read), scenes.program_hash()
+        path = plan.write_plan(read, looked, program)
+        print(path)
+        print(_contents(path))
+        if options.prepare:
+            with progress.Progress(read.out) as shown:
+                made = prepare.prepare(read, looked, program, shown.preparing)
+            print(_prepared(path, made))
+
+
+def _contents(path: Path) -> str:
+    from ..batch.plan import read_header
+
+    header = read_header(path)
+    return (
+        f"{header['tasks']} pictures: {header['scenes']} scene(s), {header['skies']} skies, "
+        f"{header['variants']} variant(s)"
+    )
+
+
+def _prepared(path: Path, made: Any) -> str:
+    from ..batch.plan import read_header
+
+    return (
+        f"{made.skies} skies computed for {read_header(path)['tasks']} pictures; "
+        f"{made.made} files prepared, {made.kept} were ready"
+    )
+
+
+def _run(options: argparse.Namespace) -> None:
+    """Plan, prepare and render; fail where a picture did."""
+    from ..batch import local_pool, plan, progress, report, run
+    from ..batch.lock import locked
+    from ..batch.worker import blender_command
+
+    blender_command(options.blender)
+    out, path, outcome, state = _folder(options.study), None, None, "stopped"
+    with locked(out), progress.Progress(out) as shown, _ended_gently():
+        try:
+            path = _ready(options, shown)
+            if options.dry_run:
+                print(_contents(path))
+                state = "done"
+                return
+            total, first = plan.read_header(path)["tasks"], next(plan.read_tasks(path, 0, 1))
+            count = options.workers or local_pool.useful_workers(first.engine, total)
+            pool = local_pool.LocalPool(path.parent, count, options.blender, options.timeout)
+            with contextlib.closing(pool):
+                outcome = run.run(path, pool, shown.tell, local_pool.TOGETHER, count)
+            state = "done" if outcome.complete else "failed"
+        finally:
+            shown.end(state, outcome)
+            if path is not None and not options.dry_run:
+                report.write_report(path)
+    _say(path, outcome)
+
+
+def _ready(options: argparse.Namespace, shown: Any) -> Path:
+    """Return the path of a plan whose files are prepared."""
+    from ..batch import plan, prepare, run, scenes, study
+
+    given = Path(options.study).resolve()
+    run.clear_leftovers(_folder(options.study))
+    if given.suffix == ".jsonl":
+        if not run.unprepared(given):
+            return given
+        given = (given.parent / plan.read_header(given)["study"]).resolve()
+    shown.preparing("the plan")
+    read = study.read_study(given)
+    looked, program = scenes.look_into(read), scenes.program_hash()
+    path = plan.write_plan(read, looked, program)
+    if not options.dry_run:
+        made = prepare.prepare(read, looked, program, shown.preparing)
+        print(_prepared(path, made))
+    return path
+
+
+def _folder(given: str) -> Path:
+    """Return the folder of a plan or a study's results."""
+    from ..batch import plan, study
+
+    path = Path(given).resolve()
+    if path.suffix == ".jsonl":
+        plan.read_header(path)
+        return path.parent
+    return study.folder_of(path)
+
+
+def _say(path: Path, outcome: Any) -> None:
+    """Print what came of it; raise where not all pictures are there."""
+    failed, page = len(outcome.failures), path.with_name("report.html")
+    print(f"{outcome.rendered} rendered, {outcome.skipped} were there, {failed} failed")
+    print(page)
+    for failure in outcome.failures[:20]:
+        print(failure, file=sys.stderr)
+    if outcome.stopped:
+        raise OSError(f"{outcome.stopped}; {outcome.left} pictures are left: make room, run again")
+    if not outcome.complete:
+        raise OSError(f"{failed} picture(s) failed, see {page}")
+
+
+def _report(options: argparse.Namespace) -> None:
+    """Write the report of what is there, and fail where that is not everything."""
+    from ..batch import report
+
+    path = Path(options.plan).resolve()
+    path = path if path.suffix == ".jsonl" else _folder(options.plan) / "plan.jsonl"
+    counts = report.write_report(path)["counts"]
+    print(", ".join(f"{count} {status}" for status, count in counts.items()))
+    print(path.with_name("report.html"))
+    if set(counts) != {"done"}:
+        raise OSError("not all pictures are there")
+
+
+@contextlib.contextmanager
+def _ended_gently() -> Iterator[None]:
+    """Let a request to end (SIGTERM) do what Ctrl-C does."""
+
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, stop)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
