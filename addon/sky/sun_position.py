@@ -21,7 +21,8 @@ def sun_position(
     Parameters
     ----------
     date, time
-        ``2025-06-21``, ``14:30`` or ``14:30:15``, local to ``zone``.
+        ``2025-06-21``, ``14:30`` or ``14:30:15``, local to ``zone``; the first of two where summer
+        time ends.
     latitude, longitude
         [degrees], north and east positive.
     zone
@@ -31,7 +32,8 @@ def sun_position(
     Raises
     ------
     InputError
-        What is no date, time, place or zone; and where pvlib is not installed.
+        What is no date, time, place or zone, a time that clocks skip; and where pvlib is not
+        installed.
     """
     try:
         moment = datetime.fromisoformat(f"{date}T{time}")
@@ -43,6 +45,9 @@ def sun_position(
     if not -180.0 <= longitude <= 180.0:
         raise InputError("--longitude", f"{longitude:g}°", "give -180 to 180, east positive")
     moment = moment.replace(tzinfo=_zone(zone))
+    if moment.astimezone(timezone.utc).astimezone(moment.tzinfo).time() != moment.time():
+        cure = f"summer time begins in {zone}: give an hour later"
+        raise InputError("--time", f"there is no {time} on {date}", cure)
     try:
         from pvlib import spa
     except ImportError:
