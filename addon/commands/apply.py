@@ -153,6 +153,7 @@ class _Spectra:
 
 
 def _read(options: argparse.Namespace) -> _Spectra:
+    from ..spectra.formats.igsdb import TRANSMITTANCE
     from ..spectra.reflectance import read_one
     from ..spectra.refraction import read_nk
     from ..transfer.metals import conductor
@@ -165,8 +166,12 @@ def _read(options: argparse.Namespace) -> _Spectra:
         if given.count(name) > 1:
             raise InputError(f"--assign {name}", "is given twice", "give each material once")
     read = [
-        {name: read_one(text, options.unit) for name, text in pairs}
-        for pairs in (options.assign, options.glass, options.behind)
+        {name: read_one(text, options.unit, quantity) for name, text in pairs}
+        for pairs, quantity in (
+            (options.assign, ""),
+            (options.glass, TRANSMITTANCE),
+            (options.behind, TRANSMITTANCE),
+        )
     ]
     curves: list[dict[str, Any]] = [
         {name: (one.names[0], one.values[0]) for name, one in each.items()} for each in read

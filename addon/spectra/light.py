@@ -36,7 +36,7 @@ def read_light(path: str | Path) -> Light:
     if missing.size:
         row, column = missing[0]
         raise InputError(
-            f"{path}:{table.lines[row]}, column '{table.names[column]}'",
+            table.place(row, column),
             "a number is missing",
             "fill it in or remove the row",
         )

@@ -1,26 +1,20 @@
-"""Reflectances of materials, read from CSV files and brought to the grid."""
+"""Reflectances of materials, read from files of every format and brought to the grid."""
 
 from __future__ import annotations
 
 import hashlib
-import re
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .grid import WAVELENGTHS, resample
-from .table import Table, check_range, read_table
-
-UNITS = ("percent", "fraction")
-
-CLIPPED_UP_TO = 1.05
-"""Reflectances over 1 up to this are measurement error and read as 1; more is fluorescence."""
-
-_PERCENT = re.compile(r"%|\bper ?cent|(?<![a-z])pct(?![a-z])|_percent", re.IGNORECASE)
-_FRACTION = re.compile(r"\bfraction|_fraction|\[0 ?[-–.]+ ?1\]|\(0 ?[-–.]+ ?1\)", re.IGNORECASE)
+from . import formats
+from .checks import UNITS, on_grid, percent_columns
+from .grid import WAVELENGTHS
+from .table import Table
 
 
 @dataclass(frozen=True)
@@ -29,7 +23,8 @@ class Reflectances:
 
     ``values`` (m, 81) in 0 to 1, ``names`` (m), ``unit`` as read (``percent`` or ``fraction``),
     ``notes`` (what was done to the data, a sentence each), ``measured``: from where to where [nm]
-    the file has values; beyond, the grid holds those of the ends.
+    the file has values; beyond, the grid holds those of the ends; ``classes`` (m: what kind of
+    thing each is) or none, ``problems``: the spectra that cannot be used, and why.
     """
 
     path: Path
@@ -38,74 +33,121 @@ class Reflectances:
     unit: str
     notes: tuple[str, ...]
     measured: tuple[float, float]
+    classes: tuple[str, ...] = ()
+    problems: Mapping[str, InputError] = field(default_factory=dict)
 
 
 def read_reflectances(
     path: str | Path, unit: str | None = None, column: str | None = None
 ) -> Reflectances:
-    """Read the reflectances of all materials in a CSV file, or of the one that ``column`` names.
+    """Read the reflectances of all materials in a file, or of the one that ``column`` names.
 
     Parameters
     ----------
     path
-        The file: `read_table` says which forms are understood.
+        The file: `formats.read` says which forms are understood.
     unit
-        ``percent`` or ``fraction``; without it the column headers decide, and without a unit
-        there the size of the numbers: over 2 is percent, up to 1.05 a fraction.
+        ``percent`` or ``fraction``; without it the format or the column headers decide, and without
+        a unit there the size of the numbers: over 2 is percent, up to 1.05 a fraction.
     column
         The header of the one column that matters: errors in others are not looked for.
 
     Returns
     -------
     Reflectances on the grid. Rows outside 380-780 nm count only as the nearest neighbours of
-    that range. Outside the measured range the end values are held, and ``notes`` says so.
+    that range. Outside the measured range the end values are held, and ``notes`` says so. Of a
+    published library the spectra that cannot be used are left out and told in ``notes``.
 
     Raises
     ------
     InputError
-        What `read_table` raises, and: a largest value between 1.05 and 2 without a unit; NaN or
+        What `formats.read` raises, and: a largest value between 1.05 and 2 without a unit; NaN or
         values under 0 or over 1.05 (fluorescence); a gap over 20 nm inside 400-700 nm; a range
         that does not cover 400-700 nm; no such column, or several. The message names line and
         column.
     """
+    table = formats.read(path)
+    read = _admitted(table, unit, column)
+    if read.problems and (column is not None or not table.sparse or not read.names):
+        raise next(iter(read.problems.values()))
+    return read
+
+
+def read_all(path: str | Path, unit: str | None = None) -> Reflectances:
+    """Read a file as `read_reflectances` does, but leave out each spectrum that cannot be used.
+
+    ``problems`` names these. Raises `InputError` only for what spoils the whole file.
+    """
+    return _admitted(formats.read(path), unit, None)
+
+
+def _admitted(table: Table, unit: str | None, column: str | None) -> Reflectances:
+    """Return of a table the reflectances, or the one that ``column`` names, that can be used."""
     if unit is not None and unit not in UNITS:
         raise InputError("--unit", f"'{unit}' is no unit", "choose percent or fraction")
-    table = _visible(read_table(path))
-    check_range(table)
-    percent, notes = _percent_columns(table, unit)
+    percent, notes = percent_columns(table, unit)
     if column is not None:
         k = _index(table, column)
-        table = replace(table, names=(column,), values=table.values[:, [k]])
-        percent = percent[[k]]
-    values = np.where(percent, table.values / 100.0, table.values)
-    _check_values(table, values, percent)
+        table, percent = table.columns([k]), percent[[k]]
+    values, problems, over = on_grid(table, percent)
     if table.unsorted:
         notes.append("the rows were sorted by wavelength")
-    over = int(np.count_nonzero(values > 1))
-    if over:
-        notes.append(f"{over} value(s) over 1, at most {values.max():.3f}, were read as 1")
-    low, high = table.wavelengths[[0, -1]]
+    if over.size:
+        notes.append(f"{over.size} value(s) over 1, at most {over.max():.3f}, were read as 1")
+    good = [k for k in range(len(table.names)) if k not in problems]
+    told = {table.names[k]: error for k, error in problems.items()}
+    if told:
+        first = next(iter(told.values()))
+        notes.append(f"{len(told)} of {len(table.names)} spectra are left out, the first: {first}")
+    table, percent = table.columns(good), percent[good]
+    low, high = _measured(table)
     if low > WAVELENGTHS[0] or high < WAVELENGTHS[-1]:
         notes.append(f"measured from {low:g} to {high:g} nm; the end values are held beyond")
     return Reflectances(
         path=table.path,
         names=table.names,
-        values=np.clip(resample(table.wavelengths, np.minimum(values, 1.0)), 0.0, 1.0),
+        values=values[good],
         unit=UNITS[0] if percent.all() else UNITS[1] if not percent.any() else "mixed",
-        notes=tuple(notes),
-        measured=(float(low), float(high)),
+        notes=(*table.notes, *notes),
+        measured=(low, high),
+        classes=table.classes,
+        problems=told,
     )
 
 
+def _measured(table: Table) -> tuple[float, float]:
+    """Return from where to where [nm] a table has values, the nearest of what the grid sees."""
+    has = np.isfinite(table.values).any(axis=1)
+    found = table.rows(has).visible().wavelengths if has.any() else table.visible().wavelengths
+    return (float(found[0]), float(found[-1])) if found.size else (float("nan"),) * 2
+
+
 def split_assignment(text: str) -> tuple[Path, str | None]:
-    """Split ``FILE.csv[:COLUMN]``; a colon that belongs to the path (``C:\\``) stays there."""
-    if Path(text).exists():
+    """Split ``FILE[:COLUMN]``; a colon that belongs to the path (``C:\\``) stays there.
+
+    So does one in the name of a column where the file before it is there, and that of a checker
+    (``colour:BabelColor Average:dark skin``).
+    """
+    if formats.checkers.recognises(text):
+        name, _, column = text.removeprefix(formats.checkers.PREFIX).partition(":")
+        return Path(f"{formats.checkers.PREFIX}{name}"), column or None
+    if _is_file(text):
         return Path(text), None
+    for at in (k for k, character in enumerate(text) if character == ":" and k > 1):
+        if _is_file(text[:at]) and text[at + 1 :]:
+            return Path(text[:at]), text[at + 1 :]
     head, colon, tail = text.rpartition(":")
     # 'C:\bricks.csv' splits into a drive letter and a path: no column is that.
     if not colon or len(head) < 2 or "/" in tail or "\\" in tail:
         return Path(text), None
     return Path(head), tail
+
+
+def _is_file(text: str) -> bool:
+    try:
+        return Path(text).exists()
+    except (OSError, ValueError):  # too long a name, a NUL
+        return False
 
 
 def read_assigned(text: str, unit: str | None = None) -> tuple[str, NDArray[np.float64]]:
@@ -117,13 +159,19 @@ def read_assigned(text: str, unit: str | None = None) -> tuple[str, NDArray[np.f
     return reflectances.names[0], reflectances.values[0]
 
 
-def read_one(text: str, unit: str | None = None) -> Reflectances:
+def read_one(text: str, unit: str | None = None, quantity: str = "") -> Reflectances:
     """Read the one reflectance that ``FILE.csv[:COLUMN]`` names, alone in its `Reflectances`.
 
-    Raises `InputError` where the file has many columns and none is named, and as
+    Of a glazing's file the ``quantity`` is read, such as `formats.igsdb.TRANSMITTANCE`, where no
+    column is named. Raises `InputError` where the file has many columns and none is named, and as
     `read_reflectances` does.
     """
     path, column = split_assignment(text)
+    if quantity and column is None:
+        table = formats.read(path)
+        kinds = zip(table.names, table.classes, strict=False)  # no classes, no choice
+        fitting = [name for name, kind in kinds if kind.endswith(quantity)]
+        column = fitting[0] if len(fitting) == 1 else None
     reflectances = read_reflectances(path, unit, column)
     if len(reflectances.names) > 1:
         raise InputError(
@@ -139,19 +187,6 @@ def reflectance_hash(values: NDArray[np.float64]) -> str:
     return hashlib.sha256(np.round(values, 9).astype("<f8").tobytes()).hexdigest()[:16]
 
 
-def _visible(table: Table) -> Table:
-    """Drop the rows that the grid cannot see, all but the nearest on either side."""
-    first = max(np.searchsorted(table.wavelengths, WAVELENGTHS[0], side="right") - 1, 0)
-    last = np.searchsorted(table.wavelengths, WAVELENGTHS[-1], side="left") + 1
-    keep = slice(first, last)
-    return replace(
-        table,
-        wavelengths=table.wavelengths[keep],
-        values=table.values[keep],
-        lines=table.lines[keep],
-    )
-
-
 def _index(table: Table, column: str) -> int:
     """Return where the one column of this name stands."""
     if table.names.count(column) > 1:
@@ -161,56 +196,3 @@ def _index(table: Table, column: str) -> int:
         more = f" and {len(table.names) - 8} more" if len(table.names) > 8 else ""
         raise InputError(table.path, f"no column '{column}'", f"there are {some}{more}")
     return table.names.index(column)
-
-
-def _percent_columns(table: Table, unit: str | None) -> tuple[NDArray[np.bool_], list[str]]:
-    """Decide for every column whether it is in percent, and say how it was decided."""
-    columns = len(table.names)
-    if unit is not None:
-        return np.full(columns, unit == "percent"), [f"read as {unit}, as told"]
-    said = [
-        True if _PERCENT.search(name) else False if _FRACTION.search(name) else None
-        for name in table.names
-    ]
-    silent = np.array([s is None for s in said])
-    percent = np.array([bool(s) for s in said])
-    notes = []
-    if not silent.all():
-        notes.append("the unit was read from the header")
-    if silent.any():
-        open_values = np.where(np.isfinite(table.values), table.values, 0)[:, silent]
-        largest = open_values.max()
-        if CLIPPED_UP_TO < largest <= 2:
-            row, column = np.unravel_index(np.argmax(open_values), open_values.shape)
-            name = np.array(table.names)[silent][column]
-            raise InputError(
-                f"{table.path}:{table.lines[row]}, column '{name}'",
-                f"the largest value is {largest:g}: percent or fraction?",
-                "say --unit percent or --unit fraction",
-            )
-        percent[silent] = largest > 2
-        notes.append(
-            f"read as {'percent' if largest > 2 else 'fraction'}: the largest value is {largest:g}"
-        )
-    return percent, notes
-
-
-def _check_values(table: Table, values: NDArray, percent: NDArray) -> None:
-    """Raise for the first value that no reflectance can have."""
-    for wrong, problem, cure in (
-        (~np.isfinite(values), "is not a number", "fill in the measurement or remove the row"),
-        (values < 0, "is under 0", "mend the measurement: a reflectance lies in 0 to 1"),
-        (
-            values > CLIPPED_UP_TO,
-            "is over 1.05 (as a fraction)",
-            "check the unit (--unit); fluorescent materials are not covered",
-        ),
-    ):
-        if wrong.any():
-            row, column = np.unravel_index(np.argmax(wrong), wrong.shape)
-            shown = f"{table.values[row, column]:g}" + (" %" if percent[column] else "")
-            raise InputError(
-                f"{table.path}:{table.lines[row]}, column '{table.names[column]}'",
-                f"{shown} {problem}",
-                cure,
-            )

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .grid import WAVELENGTHS
 
 LONGEST_LINE = 1 << 22
 """Characters: 100,000 columns fit; a longer line is no table of spectra."""
@@ -30,20 +32,65 @@ _WAVELENGTH_HEADERS = re.compile(
 _MICROMETRES = re.compile(r"\b(um|µm|μm|micron|micromet)", re.IGNORECASE)
 
 
+class NoSpectra(InputError):
+    """A file that is whole, but about something else than spectra."""
+
+
 @dataclass(frozen=True)
 class Table:
     """Columns of spectra as they stand in a file, rows in order of wavelength.
 
     ``wavelengths`` [nm] (k,), ``values`` (k, m), ``names`` (m column headers), ``lines`` (k line
-    numbers in the file, for messages), ``unsorted`` (whether the rows had to be sorted).
+    numbers in the file, for messages, None where it has no lines), ``unsorted`` (whether the rows
+    had to be sorted), ``unit`` (``percent`` or ``fraction`` where the format itself says so),
+    ``sparse`` (whether NaN says that a spectrum has no value there, as in published libraries, and
+    a broken spectrum spoils itself alone), ``classes`` (m: what kind of thing each is, or none),
+    ``notes`` (what was done to the data, a sentence each).
     """
 
     path: Path
     names: tuple[str, ...]
     wavelengths: NDArray[np.float64]
     values: NDArray[np.float64]
-    lines: NDArray[np.int64]
+    lines: NDArray[np.int64] | None
     unsorted: bool
+    unit: str | None = None
+    sparse: bool = False
+    classes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = ()
+
+    def place(self, row: int | None = None, column: int | None = None) -> str:
+        """Return where something stands, for messages: file, line or wavelength, column."""
+        named = "" if column is None else f", column '{self.names[column]}'"
+        if row is None:
+            return f"{self.path}{named}"
+        if self.lines is None:
+            return f"{self.path}{named}, {self.wavelengths[row]:g} nm"
+        return f"{self.path}:{self.lines[row]}{named}"
+
+    def columns(self, chosen: Sequence[int] | NDArray[np.int64]) -> Table:
+        """Return the columns of these numbers alone."""
+        return replace(
+            self,
+            names=tuple(self.names[k] for k in chosen),
+            values=self.values[:, chosen],
+            classes=tuple(self.classes[k] for k in chosen) if self.classes else (),
+        )
+
+    def rows(self, chosen: slice | NDArray[np.bool_]) -> Table:
+        """Return these rows alone."""
+        return replace(
+            self,
+            wavelengths=self.wavelengths[chosen],
+            values=self.values[chosen],
+            lines=None if self.lines is None else self.lines[chosen],
+        )
+
+    def visible(self) -> Table:
+        """Return the rows that the grid sees, and the nearest on either side."""
+        first = max(np.searchsorted(self.wavelengths, WAVELENGTHS[0], side="right") - 1, 0)
+        last = np.searchsorted(self.wavelengths, WAVELENGTHS[-1], side="left") + 1
+        return self.rows(slice(first, last))
 
 
 def read_table(path: str | Path) -> Table:
@@ -103,18 +150,25 @@ def check_range(table: Table) -> None:
     """Check that a table covers 400-700 nm without gaps; `InputError` names lines and column."""
     wavelengths = table.wavelengths
     if wavelengths.size < 2 or wavelengths[0] > NEEDED[0] or wavelengths[-1] < NEEDED[1]:
-        span = f"{wavelengths[0]:g}-{wavelengths[-1]:g} nm" if wavelengths.size else "nothing"
+        span = f"{wavelengths[0]:g}-{wavelengths[-1]:g} nm" if wavelengths.size else "no light"
+        if table.sparse or table.lines is None:
+            place = table.place(None, 0)
+        else:
+            first, last = table.lines.min(initial=0), table.lines.max(initial=0)
+            place = f"{table.path}, wavelength column, lines {first}-{last}"
         raise InputError(
-            f"{table.path}, wavelength column, lines {table.lines.min(initial=0)}"
-            f"-{table.lines.max(initial=0)}",
+            place,
             f"covers {span}",
             f"measure at least {NEEDED[0]:g}-{NEEDED[1]:g} nm",
         )
     gaps = np.diff(wavelengths) * (wavelengths[1:] > NEEDED[0]) * (wavelengths[:-1] < NEEDED[1])
     k = int(np.argmax(gaps))
     if gaps[k] > LARGEST_GAP:
+        column = (
+            table.place(k + 1, 0) if table.sparse else f"{table.place(k + 1)}, wavelength column"
+        )
         raise InputError(
-            f"{table.path}:{table.lines[k + 1]}, wavelength column",
+            column,
             f"a gap from {wavelengths[k]:g} to {wavelengths[k + 1]:g} nm",
             f"measure at least every {LARGEST_GAP:g} nm",
         )
@@ -126,7 +180,7 @@ def _rows(path: Path) -> list[tuple[int, str]]:
         with path.open("rb") as handle:
             start = handle.read(4096)
         if b"\0" in start and not start.startswith((b"\xff\xfe", b"\xfe\xff")):
-            raise InputError(path, "is binary, not text", "export it as CSV")
+            raise NoSpectra(path, "is binary, not text", "export it as CSV")
         rows = []
         read = 0
         with path.open(encoding=_encoding(path, start), errors="replace", newline=None) as handle:
@@ -180,7 +234,7 @@ def _check_wavelength_header(path: Path, number: int, header: str) -> None:
         )
     plain = re.sub(r"[\s_()\[\]/,.:-]+", " ", header).strip().casefold()
     if not _WAVELENGTH_HEADERS.fullmatch(plain):
-        raise InputError(
+        raise NoSpectra(
             f"{path}:{number}",
             f"the first column is '{header}', not a wavelength",
             "put the wavelength first and name it wavelength_nm",

@@ -7,6 +7,10 @@ import bpy
 from ..errors import InputError
 from . import operator, targets
 
+ENDINGS = (".cgats", ".cie", ".csv", ".cxf", ".it8", ".json", ".mat", ".sli", ".sp")
+ENDINGS += (".ti3", ".tsv", ".txt")
+"""Endings of reflectance files; a test holds them to `spectra.formats`, which loads too much."""
+
 
 class SKYLIGHT_OT_choose_reflectance(operator.Thin, bpy.types.Operator):
     """Choose the CSV with a material's measured reflectance; it shows once it is applied"""
@@ -21,7 +25,9 @@ class SKYLIGHT_OT_choose_reflectance(operator.Thin, bpy.types.Operator):
         name="Column", description="Empty: the only one, or the one named as the material"
     )
     material: bpy.props.StringProperty(name="Material", description="Empty: the active one")
-    filter_glob: bpy.props.StringProperty(default="*.csv;*.txt", options={"HIDDEN"})
+    filter_glob: bpy.props.StringProperty(
+        default=";".join(f"*{ending}" for ending in ENDINGS), options={"HIDDEN"}
+    )
 
     def invoke(self, context, event):
         return operator.browse(self, context)

@@ -108,9 +108,9 @@ class SkylightReflectance(bpy.types.PropertyGroup):
 
     def read_names(self, filepath: str) -> tuple[str, ...]:
         """The column names of a reflectance file; InputError for one that cannot be read."""
-        from ..spectra.table import read_table
+        from ..spectra import formats
 
-        return read_table(self.absolute(filepath)).names
+        return formats.read(self.absolute(filepath)).names
 
     def absolute(self, filepath: str) -> str:
         """A path that may be relative to the blend file (``//``), resolved."""

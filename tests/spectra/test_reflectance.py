@@ -222,7 +222,7 @@ def test_what_was_measured_is_told_from_what_is_held(tmp_path):
     read = read_one(f"{path}:a")
     assert read.measured == (400.0, 700.0)
     beyond = (WAVELENGTHS < 400) | (WAVELENGTHS > 700)
-    assert np.unique(read.values[0][beyond]) == pytest.approx([0.4, 0.7], abs=1e-12)
+    assert set(read.values[0][beyond].round(12)) == {0.4, 0.7}
 
 
 def test_assignment_leaves_drive_letters_alone():

@@ -1,0 +1,54 @@
+"""Files of reflectances as the world publishes them: one module a format, one way to read all.
+
+A module has ``NAME``, ``ENDINGS``, ``recognises(path, start)`` by a file's first bytes, and
+``read(path)``, which returns a `Table`. What no module recognises is a plain table (CSV). The rules
+for what a reflectance may be are not here: `reflectance` holds them for all.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ...errors import InputError
+from ..table import Table, read_table
+from . import cgats, checkers, cxf, ecostress, envi, igsdb, matlab, slum, splib07
+
+FORMATS = (envi, matlab, igsdb, cxf, cgats, ecostress, splib07, slum)
+
+TABLES = (".csv", ".tsv", ".txt")
+"""Endings of plain tables."""
+
+ENDINGS = tuple(sorted({ending for module in FORMATS for ending in module.ENDINGS} | set(TABLES)))
+"""What files of reflectances may end in, in small letters."""
+
+
+def read(path: str | Path) -> Table:
+    """Read the spectra of a file of any format, or of a checker (``colour:BabelColor Average``).
+
+    Raises
+    ------
+    InputError
+        What cannot be read, or is broken, with file, place and cure. `table.NoSpectra` where the
+        file is whole but is about something else.
+    """
+    if checkers.recognises(str(path)):
+        return checkers.read(str(path))
+    path = Path(path)
+    try:
+        with path.open("rb") as handle:
+            start = handle.read(4096)
+    except OSError as error:
+        raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from error
+    for module in FORMATS:
+        if module.recognises(path, start):
+            return module.read(path)
+    return read_table(path)
+
+
+def companions(path: Path) -> tuple[Path, ...]:
+    """Return the other files that reading this one looks into."""
+    if path.suffix.lower() in envi.ENDINGS:
+        return (envi.header_of(path),)
+    if splib07.PREFIX.match(path.name):
+        return splib07.wavelength_files(path)
+    return ()

@@ -1,0 +1,165 @@
+"""ENVI spectral libraries: a binary file ``.sli`` of spectra in rows, and its header ``.hdr``.
+
+NV5 Geospatial, "ENVI Header Files"
+(https://www.nv5geospatialsoftware.com/docs/enviheaderfiles.html).
+"""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ..table import NoSpectra, Table
+from .spectra import content, table, to_nm
+
+NAME = "ENVI spectral library"
+ENDINGS = (".sli",)
+
+_TYPES = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4", 14: "i8", 15: "u8"}
+_FIELD = re.compile(r"^[ \t]*([^={}\n]+?)[ \t]*=[ \t]*(\{[^}]*\}|[^\n]*)", re.MULTILINE)
+_NO_SAMPLE = re.compile(r"(wavelengths?|resolution|bandpass|error bars?)\b", re.IGNORECASE)
+_LARGEST = 1 << 28  # values
+
+
+def recognises(path: Path, start: bytes) -> bool:
+    """Whether it is one, by the ending, or its header, by the first word."""
+    return path.suffix.lower() == ".sli" or start.startswith(b"ENVI")
+
+
+def header_of(path: Path) -> Path:
+    """Return the header of a library: ``x.hdr`` beside ``x.sli``, else ``x.sli.hdr``."""
+    if path.suffix.lower() == ".hdr":
+        return path
+    names = (path.with_suffix(".hdr"), path.with_suffix(".HDR"), Path(f"{path}.hdr"))
+    return next((name for name in names if name.exists()), names[0])
+
+
+def read(path: Path) -> Table:
+    """Read all spectra but those that are wavelengths, bandpasses or errors of others.
+
+    Raises
+    ------
+    InputError
+        A header that is missing or broken, a file shorter than it says, wavelengths in no length.
+        `NoSpectra` for an image.
+    """
+    header = header_of(path)
+    fields = _fields(header)
+    if "spectral library" not in fields.get("file type", "").casefold():
+        raise NoSpectra(header, "is the header of an image", "give a spectral library")
+    channels, count, bands = (_whole(header, fields, key) for key in ("samples", "lines", "bands"))
+    if bands != 1:
+        raise InputError(header, f"says {bands} bands", "a spectral library has one")
+    wavelengths = np.array(_numbers(header, fields, "wavelength"))
+    if len(wavelengths) != channels:
+        raise InputError(
+            header,
+            f"names {len(wavelengths)} wavelengths for {channels} channels",
+            "give one for each",
+        )
+    factor = _factor(header, fields)
+    values = _values(path, header, fields, channels, count) / (factor or 1.0)
+    if "bbl" in fields:
+        bad = np.array(_numbers(header, fields, "bbl"))
+        values[:, bad[:channels] == 0 if len(bad) >= channels else slice(0)] = np.nan
+    names = _names(path, fields.get("spectra names", ""), count)
+    samples = [k for k, name in enumerate(names) if not _NO_SAMPLE.match(name.strip())]
+    return table(
+        path,
+        [names[k] for k in samples],
+        to_nm(header, wavelengths, fields.get("wavelength units", "")),
+        values[samples].T,
+        unit="fraction" if factor else None,
+    )
+
+
+def _fields(header: Path) -> dict[str, str]:
+    """Return a header's fields by their names in small letters, braces taken off."""
+    if not header.exists():
+        raise InputError(header, "is missing: the header of a spectral library", "put it there")
+    found = content(header).decode("utf-8", errors="replace")
+    if not found.lstrip("\ufeff").startswith("ENVI"):
+        raise InputError(header, "is no ENVI header", "its first line is ENVI")
+    return {
+        key.casefold(): value.strip().removeprefix("{").removesuffix("}").strip()
+        for key, value in _FIELD.findall(found)
+    }
+
+
+def _whole(header: Path, fields: dict[str, str], key: str) -> int:
+    try:
+        value = int(fields.get(key, "1" if key == "bands" else ""))
+    except ValueError:
+        value = 0
+    if not 0 < value <= _LARGEST:
+        raise InputError(header, f"says {key} = {fields.get(key, 'nothing')}", "mend the header")
+    return value
+
+
+def _numbers(header: Path, fields: dict[str, str], key: str) -> list[float]:
+    try:
+        return [float(cell) for cell in fields.get(key, "").split(",") if cell.strip()]
+    except ValueError as error:
+        raise InputError(header, f"{key}: {error}", "mend the header") from None
+
+
+def _factor(header: Path, fields: dict[str, str]) -> float | None:
+    """Return what values were multiplied by, None where nothing says it."""
+    said = fields.get("reflectance scale factor", "")
+    if not said:
+        title = re.search(r"reflectance\s*\[\s*\*\s*(\d+)\s*\]", fields.get("z plot titles", ""), 2)
+        said = title[1] if title else ""
+    try:
+        factor = float(said) if said else None
+    except ValueError:
+        factor = 0.0
+    if factor is not None and not factor > 0:
+        raise InputError(header, f"says reflectance scale factor = {said}", "mend the header")
+    return factor
+
+
+def _values(
+    path: Path, header: Path, fields: dict[str, str], channels: int, count: int
+) -> NDArray[np.float64]:
+    """Return the spectra (count, channels), NaN where the header says that there is no data."""
+    kind, order = fields.get("data type", ""), fields.get("byte order", "0")
+    if kind not in map(str, _TYPES) or order not in ("0", "1"):
+        raise InputError(header, f"says data type = {kind}, byte order = {order}", "mend it")
+    dtype = np.dtype("<>"[int(order)] + _TYPES[int(kind)])
+    data = path if path.suffix.lower() != ".hdr" else _data_of(path)
+    offset = int(fields.get("header offset") or 0)
+    needed = channels * count * dtype.itemsize
+    if channels * count > _LARGEST:
+        raise InputError(header, f"says {count} spectra of {channels} channels", "split it")
+    try:
+        size = data.stat().st_size
+        if size < offset + needed:
+            raise InputError(data, f"has {size} bytes of {offset + needed}", "take it anew")
+        raw = np.fromfile(data, dtype, channels * count, offset=offset)
+    except OSError as error:
+        raise InputError(data, f"cannot be read ({error.strerror})", "check the path") from error
+    values = raw.astype(float).reshape(count, channels)
+    ignored = fields.get("data ignore value")
+    if ignored:
+        value = _numbers(header, fields, "data ignore value")[0]
+        values[np.isclose(values, value, rtol=1e-5, atol=1e-12)] = np.nan
+    values[values < -1e30] = np.nan
+    return values
+
+
+def _data_of(header: Path) -> Path:
+    names = (header.with_suffix(".sli"), header.with_suffix(".SLI"), header.with_suffix(""))
+    return next((name for name in names if name.is_file()), names[0])
+
+
+def _names(path: Path, said: str, count: int) -> list[str]:
+    """Return the spectra's names, numbers where the header names another count of them."""
+    for separator in (r",", r",[ \t]*\r?\n"):  # some names hold commas, and stand on lines then
+        names = [name.strip() for name in re.split(separator, said)]
+        if len(names) == count and said:
+            return names
+    return [f"{path.stem} {k}" for k in range(1, count + 1)]
