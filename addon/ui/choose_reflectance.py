@@ -7,8 +7,7 @@ import bpy
 from ..errors import InputError
 from . import operator, targets
 
-ENDINGS = (".cgats", ".cie", ".csv", ".cxf", ".it8", ".json", ".mat", ".sli", ".sp")
-ENDINGS += (".ti3", ".tsv", ".txt")
+ENDINGS = tuple(".cgats .cie .csv .cxf .it8 .json .mat .sli .sp .ti3 .tsv .txt".split())
 """Endings of reflectance files; a test holds them to `spectra.formats`, which loads too much."""
 
 
