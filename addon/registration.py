@@ -16,7 +16,9 @@ from .ui import (
     apply,
     bake,
     choose_reflectance,
+    everything,
     load_sky,
+    material_panel,
     panels,
     properties,
     remove,
@@ -24,7 +26,19 @@ from .ui import (
     wheels,
 )
 
-MODULES = (properties, load_sky, choose_reflectance, apply, update, bake, remove, wheels, panels)
+MODULES = (
+    properties,
+    load_sky,
+    choose_reflectance,
+    everything,
+    apply,
+    update,
+    bake,
+    remove,
+    wheels,
+    panels,
+    material_panel,
+)
 CLASSES: tuple[type, ...] = tuple(cls for module in MODULES for cls in module.CLASSES)
 
 _undo: list[Callable[[], Any]] = []  # what takes back each step of `register`, in its order

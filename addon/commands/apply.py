@@ -201,18 +201,17 @@ def _targets(options: argparse.Namespace, spectra: _Spectra) -> dict[Any, Any]:
 
 def _metals(spectra: _Spectra) -> dict[Any, Any]:
     """Return the open file's materials that are metals, with n and k."""
-    from ..scene import files, materials
+    from ..scene import files, optics
 
     metals = {files.material(name): nk for name, nk in spectra.metals.items()}
     for material in metals:
-        if not materials.look_of(material).metal:
-            raise InputError(f"--metal {material.name}", "shows none", "set its Metallic to 1")
+        optics.check_metal(material)
     return metals
 
 
 def run(options: argparse.Namespace) -> None:
     """Write the blend file, and print what each material was given."""
-    from ..scene import baking, files, lamps, optics, sky_light, spectral, working_space
+    from ..scene import baking, files, lamps, sky_light, spectral, working_space
     from ..scene.settings import BAKED
     from ..transfer.white import AUTO
 
@@ -236,10 +235,9 @@ def run(options: argparse.Namespace) -> None:
         said.append(line)
     targets, metals = _targets(options, spectra), _metals(spectra)
     world = spectral.develop(scene, settings)
-    for name, (glass, transmittance) in spectra.glazings.items():
-        optics.glaze(files.material(name), glass, transmittance)
     measured = {files.material(name): span for name, span in spectra.measured.items()}
-    light, results = spectral.make_spectral(world, targets, settings, metals, measured)
+    glazings = {files.material(n): (*pane, 1) for n, pane in spectra.glazings.items()}
+    light, results = spectral.make_spectral(world, targets, settings, metals, measured, glazings)
     if settings.occlusion == BAKED:
         said += _bake(baking.bake(world, settings))
         light, results = spectral.update(world, settings, targets)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Generator
 from dataclasses import dataclass
+from typing import TypeVar
 
 import bpy
 import numpy as np
@@ -22,6 +23,9 @@ from . import rays as casting
 SHAPES = {"MESH", "CURVE", "SURFACE", "FONT"}
 """Kinds of objects that can have the modifier. Metaballs and instances of collections cannot, and
 keep the open sky: make them real, and they are baked."""
+
+
+Done = TypeVar("Done")
 
 
 @dataclass(frozen=True)
@@ -110,8 +114,8 @@ def _instancers() -> list[str]:
     ]
 
 
-def run(work: Generator[Progress, None, list[str]]) -> list[str]:
-    """Run a generator of `bake` to its end and return its lines."""
+def run(work: Generator[Progress, None, Done]) -> Done:
+    """Run a generator that yields its progress to its end and return what it returns."""
     while True:
         try:
             next(work)

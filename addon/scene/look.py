@@ -77,14 +77,14 @@ class Look:
 
 def read(shader: Socket | None) -> Look:
     """Read the shader that feeds an output (`nodes.source`), None if none does."""
-    leaves = list(_leaves(shader))
-    targets = tuple(n for n in leaves if n.type in BASES)
-    targets = targets or tuple(n for n in leaves if n.type in METALS)
-    glass = any(n.type in GLASSES or _shows(n, "Transmission Weight") for n in leaves)
+    mixed = list(leaves(shader))
+    targets = tuple(n for n in mixed if n.type in BASES)
+    targets = targets or tuple(n for n in mixed if n.type in METALS)
+    glass = any(n.type in GLASSES or shows(n, "Transmission Weight") for n in mixed)
     if not targets:
         return Look(shader, glass=glass)
     main = targets[0]
-    colour = _colour_input(main)
+    colour = colour_input(main)
     return Look(
         shader,
         targets,
@@ -115,7 +115,7 @@ def dress(
     take = partial(follow.take, material)
     normal = next((n for node in look.targets if (n := _normal(node)) is not None), None)
     if normal is None and look.shader is not None:
-        normal = next((n for node in _leaves(look.shader) if (n := _normal(node))), None)
+        normal = next((n for node in leaves(look.shader) if (n := _normal(node))), None)
     if normal is not None:
         take(normal, surface.inputs["Normal"])
     if textured and look.colour is not None:
@@ -186,7 +186,7 @@ def set_metal(material: bpy.types.Material, facing: Sequence[float], edge: Seque
     return bool(found)
 
 
-def _leaves(shader: Socket | None) -> Iterator[Node]:
+def leaves(shader: Socket | None) -> Iterator[Node]:
     """The shaders that a shader mixes, itself if it mixes none."""
     if shader is None:
         return
@@ -195,7 +195,7 @@ def _leaves(shader: Socket | None) -> Iterator[Node]:
         yield shader.node
         return
     for k in parts:
-        yield from _leaves(nodes.source(shader.node.inputs[k]))
+        yield from leaves(nodes.source(shader.node.inputs[k]))
 
 
 def _dress_leaf(
@@ -217,7 +217,7 @@ def _dress_leaf(
     for new in node.inputs:
         source = old.inputs.get(names.get(new.name, new.name)) if names is not None else None
         if new.name == "Metal Color":
-            source = _colour_input(old)
+            source = colour_input(old)
         elif new.name == "Normal":
             source = _normal(old)
         if source is not None:
@@ -236,10 +236,11 @@ def _kind(node: Node) -> str:
     if metallic.default_value >= 1:
         return gloss.METAL
     shown = ("Specular IOR Level", "Coat Weight", "Emission Strength")
-    return gloss.GLOSS if any(_shows(node, name) for name in shown) else MATT
+    return gloss.GLOSS if any(shows(node, name) for name in shown) else MATT
 
 
-def _shows(node: Node, name: str) -> bool:
+def shows(node: Node, name: str) -> bool:
+    """Whether a shader has an input that is over 0, or fed, or moves."""
     socket = node.inputs.get(name)
     if socket is None:
         return False
@@ -251,12 +252,13 @@ def _left_out(node: Node) -> Iterator[str]:
         yield f'what the group "{node.node_tree.name if node.node_tree else node.name}" adds'
     elif node.type in BASES - {"BSDF_PRINCIPLED", "BSDF_DIFFUSE"}:
         yield f"what {node.bl_label} adds to a matt surface"
-    yield from (name.removesuffix(" Weight").lower() for name in LEFT_OUT if _shows(node, name))
+    yield from (name.removesuffix(" Weight").lower() for name in LEFT_OUT if shows(node, name))
     if _fed_by(node.inputs.get("Tangent")) is not None:
         yield "tangent"
 
 
-def _colour_input(node: Node) -> Socket | None:
+def colour_input(node: Node) -> Socket | None:
+    """A shader's base colour, None where it has none by that name."""
     return next((node.inputs[name] for name in COLOURS if name in node.inputs), None)
 
 

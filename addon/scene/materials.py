@@ -107,10 +107,24 @@ def update(
 
 def look_of(material: bpy.types.Material) -> look.Look:
     """What a material looks like without us; to be used at once, for it holds nodes."""
-    outputs = _outputs(material.node_tree) if material.node_tree else []
+    outputs = outputs_of(material)
     if not outputs:
         return look.Look(None, rgb=tuple(material.diffuse_color)[:3])
-    return look.read(_source_before(material.node_tree, outputs[0]))
+    return look.read(source_before(material.node_tree, outputs[0]))
+
+
+def outputs_of(material: bpy.types.Material) -> list[bpy.types.Node]:
+    """The outputs that the engines showed before us; none of a material without nodes."""
+    if material.node_tree is None or without_nodes(material):
+        return []
+    return [node for node in _outputs(material.node_tree) if OURS not in node]
+
+
+def without_nodes(material: bpy.types.Material) -> bool:
+    """Whether a material has no nodes but ours: Blender 4.5 shows its viewport colour then."""
+    if nodes.MANAGED in material:
+        return bool(material[nodes.MANAGED].get("without_nodes"))
+    return bpy.app.version < (5, 0, 0) and not material.use_nodes
 
 
 def set_texture(
@@ -168,6 +182,11 @@ def is_managed(material: bpy.types.Material | None) -> bool:
     return (
         material is not None and nodes.MANAGED in material and _surface_node(material) is not None
     )
+
+
+def ours() -> list[bpy.types.Material]:
+    """All materials of the file that we changed: managed ones, and panes of glass."""
+    return [material for material in bpy.data.materials if nodes.MANAGED in material]
 
 
 def managed_materials(world: bpy.types.World | None = None) -> list[bpy.types.Material]:
@@ -253,9 +272,9 @@ def remember(material: bpy.types.Material) -> list[bpy.types.Node]:
 
     One that has none, or in Blender 4.5 no nodes, is given them.
     """
-    without_nodes = bpy.app.version < (5, 0, 0) and not material.use_nodes
+    bare = without_nodes(material)
     nodes.use(material)
-    material[nodes.MANAGED] = {"without_nodes": without_nodes}
+    material[nodes.MANAGED] = {"without_nodes": bare}
     tree = material.node_tree
     outputs = _outputs(tree)
     if not outputs:
@@ -305,7 +324,7 @@ def _tell_engines_apart(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
             tree.links.new(look.tops(tree, node)[name], output.inputs["Surface"])
 
 
-def _source_before(tree: bpy.types.NodeTree, output: bpy.types.Node) -> bpy.types.NodeSocket | None:
+def source_before(tree: bpy.types.NodeTree, output: bpy.types.Node) -> bpy.types.NodeSocket | None:
     """What feeds an output, or fed it before we did."""
     number = str(output.get(OUTPUT))
     for source in tree.nodes:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...node_groups import glazing
 from ...node_groups import tree as groups
+from ..errors import InputError
 from ..sky.light import SkyLight
 from ..transfer.matrices import Transfer
 from ..transfer.metals import tints
@@ -64,9 +65,25 @@ def pane_node(material: bpy.types.Material | None) -> bpy.types.Node | None:
     return next((n for n in material.node_tree.nodes if n.get(look.OURS) == "glass"), None)
 
 
+def pane_of(material: bpy.types.Material) -> tuple[str, NDArray[np.float64], None, int]:
+    """What `glaze` made a material of: name, transmittance (81,), no metal, and faces."""
+    node, record = pane_node(material), material[nodes.MANAGED]
+    assert node is not None
+    faces = round(node.inputs["Faces"].default_value)
+    return record["reflectance"], np.array(record["values"]), None, faces
+
+
 def keep_metal(material: bpy.types.Material, n: Iterable[float], k: Iterable[float]) -> None:
     """Keep with a managed material the n and k, (81,) each, that its metal has."""
     material[owned.METAL] = [*map(float, n), *map(float, k)]
+
+
+def check_metal(material: bpy.types.Material) -> None:
+    """Raise InputError for a material that shows no metal."""
+    if not materials.look_of(material).metal:
+        raise InputError(
+            f'material "{material.name}"', "shows no metal", "set its Metallic to 1, or textured"
+        )
 
 
 def metal_of(material: bpy.types.Material) -> tuple[NDArray, NDArray] | None:

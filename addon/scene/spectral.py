@@ -6,7 +6,7 @@ The panel, the command line and scripts all call these functions.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Iterable, Mapping
+from collections.abc import Generator, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,11 @@ from ..transfer.matrices import Transfer
 from ..transfer.white import AUTO, estimate_white, settle_white
 from . import bounce, lights, materials, openness, optics, sky_light, surrounding_lights, textures
 from . import world as worlds
+from .bake import Progress, run
 from .settings import Settings, store
+
+Metals = Mapping[bpy.types.Material, tuple[NDArray[np.float64], NDArray[np.float64]]]
+Glazings = Mapping[bpy.types.Material, tuple[str, NDArray[np.float64], int]]
 
 
 @dataclass(frozen=True)
@@ -71,20 +75,38 @@ def make_spectral(
     world: bpy.types.World | None,
     reflectances: Mapping[bpy.types.Material, tuple[str, NDArray[np.float64]]],
     settings: Settings,
-    metals: Mapping[bpy.types.Material, tuple[NDArray[np.float64], NDArray[np.float64]]]
-    | None = None,
+    metals: Metals | None = None,
     measured: Mapping[bpy.types.Material, tuple[float, float]] | None = None,
+    glazings: Glazings | None = None,
 ) -> tuple[SkyLight, list[Result]]:
     """Give materials their reflectances (name, values (81,)) under a World's sky.
 
     ``metals``: n and k (81,) of those whose reflectance is a metal's; they keep their gloss.
     ``measured``: from where to where [nm] reflectances were measured, kept for those who look.
+    ``glazings``: what becomes glass, as `optics.glaze` takes it (name, transmittance, faces).
     Everything is computed and checked before the first material changes. Raises InputError as
     `world.sky_of`, `world.pixels_of`, `sky.panorama.from_pixels`, `materials.apply` and
     `Settings.transfer` do.
     """
-    for material in reflectances:
+    return run(making_spectral(world, reflectances, settings, metals, measured, glazings))
+
+
+def making_spectral(
+    world: bpy.types.World | None,
+    reflectances: Mapping[bpy.types.Material, tuple[str, NDArray[np.float64]]],
+    settings: Settings,
+    metals: Metals | None = None,
+    measured: Mapping[bpy.types.Material, tuple[float, float]] | None = None,
+    glazings: Glazings | None = None,
+) -> Generator[Progress, None, tuple[SkyLight, list[Result]]]:
+    """Do as `make_spectral` does, yielding after each material.
+
+    Whoever closes the generator leaves those before it whole, lit and described.
+    """
+    for material in (*reflectances, *(metals or ()), *(glazings or ())):
         materials.check_editable(material)
+    for material in metals or ():
+        optics.check_metal(material)
     light = analysed(world, settings)
     values = np.stack([rho for _, rho in reflectances.values()]) if reflectances else _NONE
     tint = ""
@@ -102,6 +124,7 @@ def make_spectral(
         model += "" if hidden is None else f"; {visibility_line(hidden, settings.tolerance)}"
     given = {material: rho for material, (_, rho) in reflectances.items()}
     found = surrounding_lights.find(world, light, choice.transfer, settings, given)
+    yield Progress(0.0, "the sky")
     store(world, _plain(settings))
     lights.install(world, found)
     description = {
@@ -122,45 +145,63 @@ def make_spectral(
         for material, (name, rho) in reflectances.items()
         if (varied := textures.varied(material, name, rho)) is not None
     }
-    for k, (material, (name, rho)) in enumerate(reflectances.items()):
-        metal = (metals or {}).get(material) or optics.metal_of(material)
-        expected, bound = choice.error(k)
-        result = Result(
-            material=material.name,
-            reflectance=name,
-            model=choice.models[k],
-            rgb_delta_E=float(prediction.rgb[k]),
-            matrix_delta_E=expected,
-            bound=bound,
-            colour=tuple(prediction.colour[k]),
-            out_of_gamut=bool(prediction.out_of_gamut[k]),
-            line=choice.line(k, f"{material.name} ({name})"),
-        )
-        materials.apply(
-            material,
-            world,
-            choice.matrices[k],
-            reflectance_name=name,
-            reflectance_hash=reflectance_hash(rho),
-            extra={
-                **_plain(result),
-                "unknown": prediction.unknown,
-                "values": rho.tolist(),
-                "measured": (measured or {}).get(material) or _measured(material, rho),
-            },
-            reflected={
-                **{name: rgb[k] for name, rgb in reflected.items()},
-                **found.bounced(material.name_full, rho),
-            },
-            gloss=settings.gloss or metal is not None,
-            textured=material in textured,
-        )
-        if metal is not None:
-            optics.keep_metal(material, *metal)
-        if material in textured:
-            materials.set_texture(material, textures.values(found, textured[material]))
-        results.append(result)
-    for material in set(materials.managed_materials(world)) - set(reflectances):
+    try:
+        for k, (material, (name, rho)) in enumerate(reflectances.items()):
+            metal = (metals or {}).get(material) or optics.metal_of(material)
+            expected, bound = choice.error(k)
+            result = Result(
+                material=material.name,
+                reflectance=name,
+                model=choice.models[k],
+                rgb_delta_E=float(prediction.rgb[k]),
+                matrix_delta_E=expected,
+                bound=bound,
+                colour=tuple(prediction.colour[k]),
+                out_of_gamut=bool(prediction.out_of_gamut[k]),
+                line=choice.line(k, f"{material.name} ({name})"),
+            )
+            materials.apply(
+                material,
+                world,
+                choice.matrices[k],
+                reflectance_name=name,
+                reflectance_hash=reflectance_hash(rho),
+                extra={
+                    **_plain(result),
+                    "unknown": prediction.unknown,
+                    "values": rho.tolist(),
+                    "measured": (measured or {}).get(material) or _measured(material, rho),
+                },
+                reflected={
+                    **{name: rgb[k] for name, rgb in reflected.items()},
+                    **found.bounced(material.name_full, rho),
+                },
+                gloss=settings.gloss or metal is not None,
+                textured=material in textured,
+            )
+            if metal is not None:
+                optics.keep_metal(material, *metal)
+            if material in textured:
+                materials.set_texture(material, textures.values(found, textured[material]))
+            results.append(result)
+            yield Progress((k + 1) / len(reflectances), material.name)
+        for material, pane in (glazings or {}).items():
+            optics.glaze(material, *pane)
+    finally:
+        warned = _relight(world, found, list(reflectances)[: len(results)])
+        sun = surrounding_lights.towards_sun(world, light, settings)
+        if found.features.bounce and bounce.is_stale(sun):
+            warned.append("the sun has moved since its bounce was baked: bake again")
+        warned += optics.refresh(lights.scenes_of(world), light, choice.transfer)
+        sky_light.describe(world, {**description, "lights": [*found.lines, *warned]})
+    return light, results
+
+
+def _relight(
+    world: bpy.types.World, found: lights.Lights, fresh: list[bpy.types.Material]
+) -> list[str]:
+    """Let what a World already lit follow its new light, all but the fresh; return warnings."""
+    for material in set(materials.managed_materials(world)) - set(fresh):
         managed = materials.managed(material)
         assert managed is not None
         name, rho = materials.kept(material)
@@ -168,16 +209,11 @@ def make_spectral(
         materials.update(material, managed.matrix, given)
         if (varied := textures.varied(material, name, rho)) is not None:
             materials.set_texture(material, textures.values(found, varied))
-    warned = lights.refresh(world)
-    sun = surrounding_lights.towards_sun(world, light, settings)
-    if found.features.bounce and bounce.is_stale(sun):
-        warned.append("the sun has moved since its bounce was baked: bake again")
-    for material in reflectances:
-        if missing := materials.look_of(material).left_out:
-            warned.append(f"{material.name}: not shown while it is spectral: {', '.join(missing)}")
-    warned += optics.refresh(lights.scenes_of(world), light, choice.transfer)
-    sky_light.describe(world, {**description, "lights": [*found.lines, *warned]})
-    return light, results
+    return lights.refresh(world) + [
+        f"{material.name}: not shown while it is spectral: {', '.join(missing)}"
+        for material in fresh
+        if (missing := materials.look_of(material).left_out)
+    ]
 
 
 def _restored(light: SkyLight, transfer: Transfer) -> list[float]:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...node_groups import spectral_matrix
 from ..spectra.working_spaces import rec709_to_working
 from ..transfer.textures import basis, carried
-from . import materials, working_space
+from . import look, materials, working_space
 from .lights import Lights
 
 ESTIMATED = "estimated from the base colour"
@@ -27,8 +27,28 @@ def estimated(material: bpy.types.Material) -> NDArray[np.float64]:
     """
     found = materials.look_of(material)
     mean = mean_colour(found.colour)
-    rgb = np.array(found.rgb) if mean is None else mean
+    rgb = _plain_colour(found) if mean is None else mean
     return np.clip(rgb @ basis(working_space.name()), 0.0, 1.0)
+
+
+def source(material: bpy.types.Material) -> list[Any]:
+    """Return what a material's base colour comes from, as plain data: another is another colour.
+
+    No pixel is looked at, so that it can be asked whenever something changes.
+    """
+    found = materials.look_of(material)
+    image = getattr(found.colour.node, "image", None) if found.colour is not None else None
+    rgb = [round(float(part), 5) for part in _plain_colour(found)]
+    if image is None:
+        return rgb if found.colour is None else [*rgb, found.colour.node.name]
+    return [image.name_full, image.filepath, image.colorspace_settings.name]
+
+
+def _plain_colour(found: look.Look) -> NDArray[np.float64]:
+    """Return the colour (3,) of a look without its texture."""
+    if found.colour is not None and found.colour.node.type == "RGB":
+        return np.array(found.colour.default_value)[:3]
+    return np.array(found.rgb, dtype=float)
 
 
 def varied(

@@ -168,10 +168,7 @@ def read_one(text: str, unit: str | None = None, quantity: str = "") -> Reflecta
     """
     path, column = split_assignment(text)
     if quantity and column is None:
-        table = formats.read(path)
-        kinds = zip(table.names, table.classes, strict=False)  # no classes, no choice
-        fitting = [name for name, kind in kinds if kind.endswith(quantity)]
-        column = fitting[0] if len(fitting) == 1 else None
+        column = column_of(path, quantity)
     reflectances = read_reflectances(path, unit, column)
     if len(reflectances.names) > 1:
         raise InputError(
@@ -180,6 +177,17 @@ def read_one(text: str, unit: str | None = None, quantity: str = "") -> Reflecta
             f"name one, as in {path.name}:{reflectances.names[0]}",
         )
     return reflectances
+
+
+def column_of(path: str | Path, quantity: str) -> str | None:
+    """Return the one column of a glazing's file that holds a quantity, None without.
+
+    Raises `InputError` as `formats.read` does.
+    """
+    table = formats.read(path)
+    kinds = zip(table.names, table.classes, strict=False)  # no classes, no choice
+    fitting = [name for name, kind in kinds if kind.endswith(quantity)]
+    return fitting[0] if len(fitting) == 1 else None
 
 
 def reflectance_hash(values: NDArray[np.float64]) -> str:

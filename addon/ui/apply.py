@@ -5,18 +5,17 @@
 import bpy
 
 from ..errors import InputError
-from . import operator, properties, targets
+from . import choice, operator, properties, targets
 
 
-class Apply(operator.Thin):
-    """What the three operators share: a reflectance for all of them, or each material its own."""
+class Apply(choice.Fields, operator.Thin):
+    """What the three operators share: one file for all of them, or each material its own."""
 
     filepath: bpy.props.StringProperty(
-        name="CSV", description="Empty: what was chosen for each material"
+        name="File", description="Empty: what was chosen for each material"
     )
-    column: bpy.props.StringProperty(name="Column", description="Of the CSV; empty: the only one")
-    unit: bpy.props.EnumProperty(
-        name="Unit", description="What the CSV's numbers are", items=properties.UNITS
+    kind: bpy.props.EnumProperty(
+        name="Measured", description="What the file holds", items=choice.KINDS
     )
 
     @classmethod
@@ -28,63 +27,33 @@ class Apply(operator.Thin):
         return ""
 
     def run(self, context):
-        from ..scene import sky_light, spectral
+        from ..scene import given, sky_light, spectral
 
         found, lines = targets.editable(self.targets(context))
         chosen = {}
         for material in found:
-            choice = self._choice(material)
-            if choice is None:
-                lines.append(("WARNING", f"skipped: {material.name} has no reflectance file"))
+            source = self if self.filepath else material.skylight
+            if source.filepath:
+                chosen[material] = source
             else:
-                chosen[material] = choice
+                lines.append(("WARNING", f"skipped: {material.name} has no reflectance file"))
         if not chosen:
             raise InputError(
                 " and ".join(f'material "{m.name}"' for m in found[:3]) or "the selection",
                 "has no reflectance file",
                 "choose a CSV for it first",
             )
-        world = context.scene.world
-        reflectances, measured = {}, {}
-        for material, choice in chosen.items():
-            read = _read(material, *choice)
-            reflectances[material] = read.names[0], read.values[0]
-            measured[material] = read.measured
-            lines += [("INFO", f"{material.name}: {note}") for note in read.notes]
-        settings = properties.settings_of(world)
+        read = {m: choice.read(source, m, self.column) for m, source in chosen.items()}
+        lines += [("INFO", f"{m.name}: {note}") for m, one in read.items() for note in one.notes]
+        settings = properties.settings_of(context.scene.world)
         world = spectral.develop(context.scene, settings)
-        _, results = spectral.make_spectral(world, reflectances, settings, measured=measured)
-        for material, (filepath, _, unit) in chosen.items():
-            _keep(material.skylight, filepath, reflectances[material][0], unit)
+        _, results = spectral.make_spectral(world, settings=settings, **given.apart(read))
+        for material, source in chosen.items():
+            choice.keep(material.skylight, source, read[material].column)
         lines += [("WARNING" if r.out_of_gamut else "INFO", r.line) for r in results]
         found = sky_light.description_of(world) or {}
         lines += [("INFO", line) for line in found["lights"]]
         return [*lines, ("INFO", found["caption"])]
-
-    def _choice(self, material):
-        """CSV, column and unit for a material, None without."""
-        if self.filepath:
-            return self.filepath, self.column, self.unit
-        own = material.skylight
-        column = self.column or own.column
-        return (own.filepath, column, own.unit) if own.filepath else None
-
-
-def _read(material, filepath, column, unit):
-    from ..spectra.reflectance import read_reflectances
-
-    path = material.skylight.absolute(filepath)
-    read = read_reflectances(path, None if unit == "AUTO" else unit.lower(), column or None)
-    if len(read.names) > 1:
-        raise InputError(path, f"holds {len(read.names)} materials", "choose a column")
-    return read
-
-
-def _keep(choice, filepath, column, unit) -> None:
-    if choice.filepath != filepath:
-        choice.filepath = filepath  # and with it the names of its columns
-    choice.column = column
-    choice.unit = unit
 
 
 class SKYLIGHT_OT_apply(Apply, bpy.types.Operator):

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterable, Iterator
+import time
+from collections.abc import Generator, Iterable, Iterator
+from typing import Any
 
 import bpy
 
@@ -47,6 +49,91 @@ class Thin:
     def run(self, context: bpy.types.Context) -> Iterable[tuple[str, str]]:
         """Do it; return (level, line) pairs, level INFO or WARNING."""
         raise NotImplementedError
+
+
+SLICE = 0.15
+"""[s] of work between two looks at the keyboard."""
+
+
+class Long(Thin):
+    """Mixin of an operator whose work takes long: pressed, it shows progress and Esc ends it.
+
+    A script's call runs to the end at once. `work` is a generator that can be closed at any yield
+    and leaves things whole then, so that what was done is one undo step.
+    """
+
+    doing = ""
+    """What the status bar says is done."""
+
+    def work(self, context: bpy.types.Context) -> Generator[Any, None, Any]:
+        """Yield `scene.bake.Progress`, and return what `finish` reports on."""
+        raise NotImplementedError
+
+    def finish(self, context: bpy.types.Context, done: Any) -> Iterable[tuple[str, str]]:
+        """Do what follows; ``done``: what `work` returned, None where it was ended before."""
+        raise NotImplementedError
+
+    def run(self, context: bpy.types.Context) -> Iterable[tuple[str, str]]:
+        """Work to the end."""
+        from ..scene import bake
+
+        return self.finish(context, bake.run(self.work(context)))
+
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Start, and work on between events until done."""
+        if context.window is None:
+            return self.execute(context)
+        self.generator = self.work(context)
+        manager = context.window_manager
+        self.timer = manager.event_timer_add(SLICE / 10, window=context.window)
+        manager.progress_begin(0, 100)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """Work for a moment, or end."""
+        if event.type == "ESC":
+            self.cancel(context)
+            return self._end(context, None)
+        if event.type == "TIMER":
+            until = time.monotonic() + SLICE
+            try:
+                while time.monotonic() < until:
+                    progress = next(self.generator)
+            except StopIteration as done:
+                self._tidy(context)
+                return self._end(context, done.value)
+            except InputError as error:  # the rooms check before they change
+                self._tidy(context)
+                self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
+                return {"CANCELLED"}
+            except Exception:
+                self._tidy(context)
+                raise
+            context.window_manager.progress_update(100 * progress.done)
+            text = f"{self.doing} {progress.line}: {100 * progress.done:.0f} %. Esc ends"
+            context.workspace.status_text_set(text)
+        return {"RUNNING_MODAL"}
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """End, as Blender asks when a file is closed."""
+        self.generator.close()
+        self._tidy(context)
+
+    def _tidy(self, context: bpy.types.Context) -> None:
+        context.window_manager.event_timer_remove(self.timer)
+        context.window_manager.progress_end()
+        context.workspace.status_text_set(None)
+
+    def _end(self, context: bpy.types.Context, done: Any) -> set[str]:
+        """Report; FINISHED makes one undo step of all that was done."""
+        try:
+            lines = self.finish(context, done)
+        except InputError as error:
+            lines = [("ERROR", str(error))]
+        for level, line in lines:
+            self.report({level}, line)  # type: ignore[attr-defined]
+        return {"FINISHED"}
 
 
 def no_sky(context: bpy.types.Context) -> str:

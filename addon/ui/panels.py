@@ -1,9 +1,11 @@
-"""The panels: 3D view, sidebar, tab Skylight; and in the material's properties."""
+"""The sidebar of the 3D view, tab Skylight: three steps from top to bottom.
+
+Sky · Materials · Result. What is rarely needed stands in a closed panel under its step.
+"""
 
 import bpy
 
-from ..errors import InputError
-from . import readout, targets, wheels
+from . import material_panel, readout, targets, wheels
 
 
 class Sidebar:
@@ -24,8 +26,19 @@ class Child(Sidebar):
         return not wheels.missing()
 
 
+class OfWorld(Child):
+    """Settings that lie with the scene's World."""
+
+    bl_parent_id = "SKYLIGHT_PT_sky"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return not wheels.missing() and context.scene.world is not None
+
+
 class SKYLIGHT_PT_main(Sidebar, bpy.types.Panel):
-    """The sky, and what concerns all materials."""
+    """How far the scene is; or what is missing to begin."""
 
     bl_label = "Spectral Skylight"
 
@@ -34,51 +47,32 @@ class SKYLIGHT_PT_main(Sidebar, bpy.types.Panel):
         if wheels.missing():
             wheels.draw(layout, context)
             return
+        readout.summary(layout, context)
+
+
+class SKYLIGHT_PT_sky(Child, bpy.types.Panel):
+    """First step: what lights the scene."""
+
+    bl_label = "Sky"
+    bl_order = 10
+
+    def draw(self, context):
+        layout = self.layout
         layout.template_ID(context.scene, "world")
         layout.operator("skylight.load_sky", text="Load Sky HDRI...", icon="FILEBROWSER")
         readout.sky(layout, context)
-        column = layout.column(align=True)
-        column.operator("skylight.update", icon="FILE_REFRESH")
-        column.operator("skylight.apply_all", text="Apply All Chosen Reflectances")
-        column.operator("skylight.remove_all", text="Remove from All Materials")
 
 
-class SKYLIGHT_PT_numbers(Child, bpy.types.Panel):
-    """What the HDRI's numbers mean."""
-
-    bl_label = "Sky Numbers"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        world = context.scene.world
-        if world is None:
-            layout.label(text="The scene has no World")
-            return
-        numbers = world.skylight
-        layout.prop(numbers, "tolerance")
-        layout.prop(numbers, "basis")
-        layout.prop(numbers, "camera")
-        layout.prop(numbers, "white_balanced")
-        if numbers.white_balanced:
-            layout.prop(numbers, "white")
-        readout.paragraph(layout, context, "Changes show after Update")
-
-
-class SKYLIGHT_PT_light(Child, bpy.types.Panel):
+class SKYLIGHT_PT_light(OfWorld, bpy.types.Panel):
     """Which light of the World reaches materials."""
 
-    bl_label = "Light"
+    bl_label = "Sun, Shadows and Ground"
+    bl_order = 11
 
     def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
-        world = context.scene.world
-        if world is None:
-            layout.label(text="The scene has no World")
-            return
-        numbers = world.skylight
+        numbers = context.scene.world.skylight
         layout.prop(numbers, "sun")
         layout.prop(numbers, "occlusion")
         if numbers.occlusion == "baked":
@@ -87,35 +81,50 @@ class SKYLIGHT_PT_light(Child, bpy.types.Panel):
             row.operator("skylight.bake")
             row.operator("skylight.remove_bakes", text="", icon="X")
         layout.prop(numbers, "ground")
-        layout.prop(numbers, "gloss")
         readout.lights(layout, context)
 
 
-class SKYLIGHT_PT_lamp(bpy.types.Panel):
-    """The spectrum of the lamp that the properties editor shows."""
+class SKYLIGHT_PT_numbers(OfWorld, bpy.types.Panel):
+    """What the HDRI's numbers mean."""
 
-    bl_label = "Spectral Skylight"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "data"
-
-    @classmethod
-    def poll(cls, context):
-        return getattr(context, "light", None) is not None
+    bl_label = "What the HDRI's Numbers Mean"
+    bl_order = 12
 
     def draw(self, context):
-        self.layout.use_property_split = True
-        light = getattr(context, "light", None)
-        if light is None:
-            return
-        self.layout.prop(light.skylight, "spectrum")
-        readout.paragraph(self.layout, context, "Shows on spectral materials after Update")
+        layout = self.layout
+        layout.use_property_split = True
+        numbers = context.scene.world.skylight
+        layout.prop(numbers, "basis")
+        layout.prop(numbers, "camera")
+        layout.prop(numbers, "white_balanced")
+        if numbers.white_balanced:
+            layout.prop(numbers, "white")
+        readout.model(layout, context)
+
+
+class SKYLIGHT_PT_materials(Child, bpy.types.Panel):
+    """Second step: what the scene is made of."""
+
+    bl_label = "Materials"
+    bl_order = 20
+
+    def draw(self, context):
+        layout = self.layout
+        column = layout.column()
+        column.scale_y = 1.6
+        column.operator("skylight.make_spectral", icon="MATERIAL")
+        row = layout.row(align=True)
+        row.operator("skylight.update", icon="FILE_REFRESH")
+        row.operator("skylight.remove_all", text="Remove All", icon="X")
+        readout.problems(layout, context)
 
 
 class SKYLIGHT_PT_material(Child, bpy.types.Panel):
     """The active object's active material."""
 
-    bl_label = "Material"
+    bl_label = "Active Material"
+    bl_parent_id = "SKYLIGHT_PT_materials"
+    bl_order = 21
 
     def draw(self, context):
         material = targets.active(context)
@@ -123,81 +132,72 @@ class SKYLIGHT_PT_material(Child, bpy.types.Panel):
             self.layout.label(text="Select an object with a material")
             return
         self.layout.label(text=material.name, icon="MATERIAL")
-        _material(self.layout, context, material)
+        material_panel.draw(self.layout, context, material)
+
+
+class SKYLIGHT_PT_left(Child, bpy.types.Panel):
+    """Materials of the scene that one click does not change, each with the reason."""
+
+    bl_label = "Left Alone"
+    bl_parent_id = "SKYLIGHT_PT_materials"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 28
+
+    @classmethod
+    def poll(cls, context):
+        return not wheels.missing() and bool(readout.left_alone(context))
+
+    def draw(self, context):
+        readout.left(self.layout, context)
+
+
+class SKYLIGHT_PT_exactness(OfWorld, bpy.types.Panel):
+    """How exact materials are to be, and what of their look stays."""
+
+    bl_label = "Exactness and Gloss"
+    bl_parent_id = "SKYLIGHT_PT_materials"
+    bl_order = 29
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        numbers = context.scene.world.skylight
+        layout.prop(numbers, "tolerance")
+        layout.prop(numbers, "gloss")
+        layout.operator("skylight.apply_all", text="Apply Chosen Files Only")
+        readout.paragraph(layout, context, "Changes show after Update")
+
+
+class SKYLIGHT_PT_result(Child, bpy.types.Panel):
+    """Third step: what is seen, and how far it can be trusted."""
+
+    bl_label = "Result"
+    bl_order = 30
+
+    def draw(self, context):
+        readout.result(self.layout, context)
 
 
 class SKYLIGHT_PT_all(Child, bpy.types.Panel):
     """All spectral materials of the file, a row each."""
 
     bl_label = "All Spectral Materials"
-    bl_options = {"DEFAULT_CLOSED"}
+    bl_parent_id = "SKYLIGHT_PT_result"
+    bl_order = 32
 
     def draw(self, context):
         readout.table(self.layout)
 
 
-class SKYLIGHT_PT_material_properties(bpy.types.Panel):
-    """The material that the properties editor shows."""
-
-    bl_label = "Spectral Skylight"
-    bl_space_type = "PROPERTIES"
-    bl_region_type = "WINDOW"
-    bl_context = "material"
-
-    @classmethod
-    def poll(cls, context):
-        return targets.active(context) is not None
-
-    def draw(self, context):
-        if wheels.missing():
-            wheels.draw(self.layout, context)
-            return
-        _material(self.layout, context, targets.active(context))
-
-
-def _material(layout, context, material) -> None:
-    """Choose a reflectance, apply and remove it, and read what it does."""
-    from ..scene import materials
-
-    try:
-        materials.check_editable(material)
-    except InputError as error:
-        readout.paragraph(layout, context, str(error), "LIBRARY_DATA_DIRECT")
-    else:
-        _choose(layout, context, material)
-    readout.material(layout, context, material)
-
-
-def _choose(layout, context, material) -> None:
-    from ..scene import materials
-
-    choice = material.skylight
-    row = layout.row(align=True)
-    row.prop(choice, "filepath", text="", placeholder="Reflectance CSV")
-    row.operator("skylight.choose_reflectance", text="", icon="FILEBROWSER")
-    if choice.problem:
-        readout.paragraph(layout, context, choice.problem, "ERROR")
-    elif choice.filepath:
-        layout.prop_search(choice, "column", choice, "columns", icon="MATERIAL")
-        layout.prop(choice, "unit")
-    row = layout.row(align=True)
-    if choice.filepath:
-        row.operator("skylight.apply")
-    else:
-        row.operator("skylight.estimate")
-    if materials.is_managed(material):
-        row.operator("skylight.remove")
-    row = layout.row(align=True)
-    row.operator("skylight.apply_selected")
-    row.operator("skylight.remove_selected")
-
-
 CLASSES = (
     SKYLIGHT_PT_main,
+    SKYLIGHT_PT_sky,
     SKYLIGHT_PT_light,
-    SKYLIGHT_PT_lamp,
-    SKYLIGHT_PT_material,
     SKYLIGHT_PT_numbers,
+    SKYLIGHT_PT_materials,
+    SKYLIGHT_PT_material,
+    SKYLIGHT_PT_left,
+    SKYLIGHT_PT_exactness,
+    SKYLIGHT_PT_result,
     SKYLIGHT_PT_all,
-    SKYLIGHT_PT_material_properties,
 )

@@ -6,12 +6,8 @@
 import bpy
 
 from ..errors import InputError
+from . import choice
 
-UNITS = (
-    ("AUTO", "From the File", "By the column headers, else by the size of the numbers"),
-    ("PERCENT", "Percent", "0 to 100"),
-    ("FRACTION", "Fraction", "0 to 1"),
-)
 BASES = (
     ("simplest", "Simplest", "Rayleigh where it keeps to the tolerance, else Atmosphere"),
     ("atmosphere", "Atmosphere", "Simulated light of all kinds at this sun's elevation: low suns"),
@@ -43,7 +39,7 @@ def _file_changed(self, context) -> None:
         self.column = ""
         return
     try:
-        names = self.read_names(self.filepath)
+        names = self.read_names(self.filepath, self.kind)
     except InputError as error:
         self.problem = str(error)
         return
@@ -79,21 +75,19 @@ class SkylightColumn(bpy.types.PropertyGroup):
     """One column of a reflectance file, by its name."""
 
 
-class SkylightReflectance(bpy.types.PropertyGroup):
+class SkylightReflectance(choice.Fields, bpy.types.PropertyGroup):
     """Which reflectance a material is to have, as `material.skylight`."""
 
     filepath: bpy.props.StringProperty(
         name="Reflectance File",
-        description="CSV: wavelength in nm, then a column of measured reflectance per material",
+        description="CSV: wavelength in nm, then a column of measured values per material; for a "
+        "metal wavelength, n and k",
         update=_file_changed,
     )
-    column: bpy.props.StringProperty(
-        name="Column", description="Which of the file's materials this one is"
+    kind: bpy.props.EnumProperty(
+        name="Measured", description="What the file holds", items=choice.KINDS, update=_file_changed
     )
     columns: bpy.props.CollectionProperty(type=SkylightColumn)
-    unit: bpy.props.EnumProperty(
-        name="Unit", description="What the file's numbers are", items=UNITS
-    )
     problem: bpy.props.StringProperty(description="Why the file cannot be read")
     swatch: bpy.props.FloatVectorProperty(
         name="Under This Sky",
@@ -106,10 +100,14 @@ class SkylightReflectance(bpy.types.PropertyGroup):
         description="What the colour was multiplied by for the swatch to show it", get=_swatch_scale
     )
 
-    def read_names(self, filepath: str) -> tuple[str, ...]:
-        """The column names of a reflectance file; InputError for one that cannot be read."""
+    def read_names(self, filepath: str, kind: str) -> tuple[str, ...]:
+        """The column names of a file, none of a metal's; InputError if it cannot be read."""
         from ..spectra import formats
+        from ..spectra.refraction import read_nk
 
+        if kind == "METAL":
+            read_nk(self.absolute(filepath))
+            return ()
         return formats.read(self.absolute(filepath)).names
 
     def absolute(self, filepath: str) -> str:

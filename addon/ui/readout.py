@@ -44,10 +44,19 @@ def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     found = sky_light.description_of(world)
     if found is None:
         return
-    for sentence in found["caption"].split("; "):
-        paragraph(layout, context, sentence, "INFO")
     for note in found.get("notes", ()):
         paragraph(layout, context, note, "INFO")
+    if found.get("image") != image.name or found.get("space") != working_space.name():
+        paragraph(layout, context, "HDRI or working space have changed: press Update", "ERROR")
+
+
+def model(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What the sky was modelled with, and how far its light on surfaces is off."""
+    from ..scene import sky_light
+
+    found = sky_light.description_of(context.scene.world)
+    if found is None:
+        return
     if "model" in found:
         paragraph(layout, context, found["model"])
     left = found["errors"][found["degree"]]
@@ -57,8 +66,6 @@ def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         f"irradiance of degree {found['degree']}: off by {100 * left['worst']:.1f} % at worst, "
         f"{100 * left['mean']:.2f} % in the mean",
     )
-    if found.get("image") != image.name or found.get("space") != working_space.name():
-        paragraph(layout, context, "HDRI or working space have changed: press Update", "ERROR")
 
 
 def lights(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -107,6 +114,52 @@ def sentences(found: dict[str, Any]) -> list[str]:
     if found["out_of_gamut"]:
         lines.append("out of gamut: Blender clamps it")
     return lines
+
+
+def summary(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """How many materials are spectral, in one line."""
+    from ..scene import materials, textures
+
+    found = [materials.managed(material) for material in materials.managed_materials()]
+    if not found:
+        layout.label(text="No material is spectral yet", icon="INFO")
+        return
+    guessed = sum(m is not None and m.reflectance_name == textures.ESTIMATED for m in found)
+    layout.label(
+        text=f"{len(found)} spectral: {len(found) - guessed} measured, {guessed} estimated"
+    )
+
+
+def problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What needs the person: nothing where all is well."""
+
+
+def left_alone(context: bpy.types.Context) -> list[tuple[str, str]]:
+    """Names of the scene's materials that one click left alone, and why."""
+    from ..scene import everything
+
+    return everything.left_alone(context.scene)
+
+
+def left(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """A row for each material that one click left alone."""
+    found = left_alone(context)
+    for name, why in found[:ROWS]:
+        paragraph(layout, context, f"{name}: {why}")
+    if len(found) > ROWS:
+        layout.label(text=f"and {len(found) - ROWS} more")
+
+
+def result(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What light is in the picture."""
+    from ..scene import sky_light
+
+    found = sky_light.description_of(context.scene.world)
+    if found is None:
+        layout.label(text="Nothing is spectral under this sky yet")
+        return
+    for sentence in found["caption"].split("; "):
+        paragraph(layout, context, sentence, "INFO")
 
 
 def table(layout: bpy.types.UILayout) -> None:

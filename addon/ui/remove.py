@@ -13,9 +13,8 @@ class Remove(operator.Thin):
     def run(self, context):
         from ..scene import materials
 
-        found, lines = targets.editable(
-            material for material in self.targets(context) if materials.is_managed(material)
-        )
+        ours = materials.ours()
+        found, lines = targets.editable(m for m in self.targets(context) if m in ours)
         for material in found:
             materials.remove(material)
         return [*lines, ("INFO", f"{len(found)} material(s) are as they were before")]
@@ -43,7 +42,7 @@ class SKYLIGHT_OT_remove_selected(Remove, bpy.types.Operator):
     def hindrance(cls, context):
         from ..scene import materials
 
-        found = any(materials.is_managed(material) for material in targets.selected(context))
+        found = set(materials.ours()) & set(targets.selected(context))
         return "" if found else "No selected object has a spectral material"
 
     def targets(self, context):
@@ -60,12 +59,12 @@ class SKYLIGHT_OT_remove_all(Remove, bpy.types.Operator):
     def hindrance(cls, context):
         from ..scene import materials
 
-        return "" if materials.managed_materials() else "No material of the file is spectral"
+        return "" if materials.ours() else "No material of the file is spectral"
 
     def targets(self, context):
         from ..scene import materials
 
-        return materials.managed_materials()
+        return materials.ours()
 
 
 CLASSES = (SKYLIGHT_OT_remove, SKYLIGHT_OT_remove_selected, SKYLIGHT_OT_remove_all)

@@ -9,7 +9,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from spectral_skylight.addon.scene import materials, nodes  # noqa: E402
-from spectral_skylight.addon.ui import panels, readout, wheels  # noqa: E402
+from spectral_skylight.addon.ui import material_panel, panels, readout, wheels  # noqa: E402
 from spectral_skylight.tests.ui.stage import drawn, select  # noqa: E402
 
 pytestmark = pytest.mark.blender
@@ -30,38 +30,40 @@ def edit(**values):
 
 
 def test_the_sky_and_what_of_it_is_missing(applied):
-    main = drawn(panels.SKYLIGHT_PT_main)
-    assert "Sky: sky.exr" in main.text
-    assert "open sky: no shadows but the sun's yet" in main.text
+    sky, numbers = drawn(panels.SKYLIGHT_PT_sky), drawn(panels.SKYLIGHT_PT_numbers)
+    assert "Sky: sky.exr" in sky.text
+    assert "open sky: no shadows but the sun's yet" in drawn(panels.SKYLIGHT_PT_result).text
     assert "the sun at" in drawn(panels.SKYLIGHT_PT_light).text
-    assert "irradiance of degree" in main.text
-    assert "% at worst" in main.text
-    assert "press Update" not in main.text
-    assert main.operators == [
-        "skylight.load_sky",
-        "skylight.update",
-        "skylight.apply_all",
-        "skylight.remove_all",
-    ]
+    assert "irradiance of degree" in numbers.text
+    assert "% at worst" in numbers.text
+    assert "press Update" not in sky.text
+    assert sky.operators == ["skylight.load_sky"]
+
+
+def test_three_steps_from_top_to_bottom():
+    steps = [p for p in panels.CLASSES if getattr(p, "bl_parent_id", "") == "SKYLIGHT_PT_main"]
+    assert [step.bl_label for step in steps] == ["Sky", "Materials", "Result"]
+    places = [panel.bl_order for panel in panels.CLASSES[1:]]
+    assert places == sorted(places)
 
 
 def test_a_world_without_an_HDRI(scene):
     scene.world = bpy.data.worlds.new("Grey")
-    text = drawn(panels.SKYLIGHT_PT_main).text
+    text = drawn(panels.SKYLIGHT_PT_sky).text
     assert 'World "Grey"' in text
     assert "open sky" not in text
     scene.world = None
-    assert "has no World" in drawn(panels.SKYLIGHT_PT_main).text
-    assert "no World" in drawn(panels.SKYLIGHT_PT_numbers).text
+    assert "has no World" in drawn(panels.SKYLIGHT_PT_sky).text
+    assert not panels.SKYLIGHT_PT_numbers.poll(bpy.context)
 
 
 def test_another_HDRI_asks_for_an_update(applied):
     image = applied.world.node_tree.nodes["Environment Texture"].image
     applied.world.node_tree.nodes["Environment Texture"].image = image.copy()
-    assert "press Update" in drawn(panels.SKYLIGHT_PT_main).text
+    assert "press Update" in drawn(panels.SKYLIGHT_PT_sky).text
 
 
-PANELS_OF_A_MATERIAL = [panels.SKYLIGHT_PT_material, panels.SKYLIGHT_PT_material_properties]
+PANELS_OF_A_MATERIAL = [panels.SKYLIGHT_PT_material, material_panel.SKYLIGHT_PT_material_properties]
 
 
 @pytest.mark.parametrize("panel", PANELS_OF_A_MATERIAL)
@@ -72,14 +74,14 @@ def test_a_spectral_material(applied, panel):
     assert f"RGB is off by ΔE {rgb:.1f}, spectral by {spectral:.1f}" in shown.text
     assert "brick" in shown.text
     assert "out of gamut" not in shown.text
-    assert shown.properties == ["filepath", "column", "unit", "swatch"]
+    assert shown.properties == ["kind", "filepath", "column", "unit", "behind", "swatch"]
     assert {"skylight.apply", "skylight.remove"} <= set(shown.operators)
 
 
 @pytest.mark.parametrize("panel", PANELS_OF_A_MATERIAL)
 def test_a_material_before_anything_was_chosen(scene, panel):
     shown = drawn(panel)
-    assert shown.properties == ["filepath"]
+    assert shown.properties == ["kind", "filepath"]
     assert "skylight.choose_reflectance" in shown.operators
     assert "skylight.apply" not in shown.operators
     assert "skylight.remove" not in shown.operators
@@ -88,7 +90,7 @@ def test_a_material_before_anything_was_chosen(scene, panel):
 def test_no_material(scene):
     select()
     assert "Select an object with a material" in drawn(panels.SKYLIGHT_PT_material).text
-    assert not panels.SKYLIGHT_PT_material_properties.poll(bpy.context)
+    assert not material_panel.SKYLIGHT_PT_material_properties.poll(bpy.context)
 
 
 def test_warnings_of_a_material(applied):
@@ -131,7 +133,7 @@ def test_the_table_of_all(applied, monkeypatch):
 
 
 def test_sky_numbers(applied):
-    shown = ["tolerance", "basis", "camera", "white_balanced"]
+    shown = ["basis", "camera", "white_balanced"]
     assert drawn(panels.SKYLIGHT_PT_numbers).properties == shown
     applied.world.skylight.white_balanced = True
     assert "white" in drawn(panels.SKYLIGHT_PT_numbers).properties
@@ -143,7 +145,7 @@ def test_drawing_opens_no_file(applied, monkeypatch):
 
     monkeypatch.setattr(pathlib.Path, "open", refuse)
     monkeypatch.setattr("builtins.open", refuse)
-    for panel in panels.CLASSES:
+    for panel in (*panels.CLASSES, *material_panel.CLASSES):
         drawn(panel)
 
 
@@ -157,7 +159,7 @@ def test_missing_wheels_are_one_sentence(applied, monkeypatch):
         assert main.text.startswith("colour-science missing: install the Spectral Skylight zip")
         assert main.operators == []
         assert not panels.SKYLIGHT_PT_material.poll(bpy.context)
-        assert "zip" in drawn(panels.SKYLIGHT_PT_material_properties).text
+        assert "zip" in drawn(material_panel.SKYLIGHT_PT_material_properties).text
         with pytest.raises(RuntimeError, match="colour-science missing"):
             bpy.ops.skylight.update()
     finally:
@@ -165,6 +167,6 @@ def test_missing_wheels_are_one_sentence(applied, monkeypatch):
 
 
 def test_every_operator_in_a_panel_exists(applied):
-    for panel in panels.CLASSES:
+    for panel in (*panels.CLASSES, *material_panel.CLASSES):
         for identifier in drawn(panel).operators:
             assert getattr(bpy.ops.skylight, identifier.split(".")[1]).get_rna_type()

@@ -1,0 +1,93 @@
+"""Everything of a scene made spectral at once: measured where chosen, else estimated, else told."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass
+
+import bpy
+
+from . import eligible, given, materials, optics, spectral, textures
+from .bake import Progress
+from .settings import Settings
+
+LEFT = "spectral_skylight_left"  # on a scene: JSON of names and why they were left alone
+
+
+@dataclass(frozen=True)
+class Everything:
+    """What came of it: a result for each material, and (name, reason) of those left alone."""
+
+    results: list[spectral.Result]
+    left: list[tuple[str, str]]
+
+    @property
+    def estimated(self) -> int:
+        """How many have a reflectance that nobody measured."""
+        return sum(result.reflectance == textures.ESTIMATED for result in self.results)
+
+    @property
+    def line(self) -> str:
+        """How many of which, in one sentence."""
+        said = f"{len(self.results)} material(s) spectral, {self.estimated} of them estimated"
+        return f"{said}; {len(self.left)} left alone" if self.left else said
+
+
+def make(
+    scene: bpy.types.Scene,
+    chosen: Mapping[bpy.types.Material, given.Given | str],
+    settings: Settings,
+    estimate: bool = True,
+) -> Generator[Progress, None, Everything]:
+    """Make every eligible material of a scene spectral, yielding after each.
+
+    ``chosen``: what materials were given, or why that cannot be read; others keep what they have,
+    or with ``estimate`` get a reflectance of their base colour. Raises InputError as
+    `spectral.make_spectral` does.
+    """
+    wanted: dict[bpy.types.Material, given.Given] = {}
+    left: list[tuple[str, str]] = []
+    for material in eligible.materials_of(scene):
+        what = _what(material, chosen.get(material), estimate)
+        if isinstance(what, str):
+            left.append((material.name, what))
+        else:
+            wanted[material] = what
+    world = spectral.develop(scene, settings)
+    _, results = yield from spectral.making_spectral(
+        world, settings=settings, **given.apart(wanted)
+    )
+    scene[LEFT] = json.dumps(left)
+    return Everything(results, left)
+
+
+def _what(
+    material: bpy.types.Material, chosen: given.Given | str | None, estimate: bool
+) -> given.Given | str:
+    """What a material is to have, or why it is left alone."""
+    if chosen is not None:
+        return eligible.unchangeable(material) or chosen
+    before = kept(material)
+    if before is not None:
+        return eligible.unchangeable(material) or before
+    if why := eligible.reason(material):
+        return why
+    if not estimate:
+        return "no reflectance is chosen for it"
+    return given.Given(textures.ESTIMATED, textures.estimated(material))
+
+
+def kept(material: bpy.types.Material) -> given.Given | None:
+    """What was given to a material that is spectral already; None for an estimate and without."""
+    if optics.pane_node(material) is not None:
+        return given.Given(*optics.pane_of(material))
+    managed = materials.managed(material)
+    if managed is None or managed.reflectance_name == textures.ESTIMATED:
+        return None
+    return given.Given(*materials.kept(material), optics.metal_of(material))
+
+
+def left_alone(scene: bpy.types.Scene) -> list[tuple[str, str]]:
+    """Names of a scene's materials that `make` left alone, and why; empty before it ran."""
+    return [(name, why) for name, why in json.loads(scene.get(LEFT, "[]"))]

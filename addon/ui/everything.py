@@ -1,0 +1,44 @@
+"""One click: every material of the scene that can be spectral is."""
+
+# mypy: disable-error-code="valid-type"
+
+import bpy
+
+from . import choice, operator, properties
+
+
+class SKYLIGHT_OT_make_spectral(operator.Long, bpy.types.Operator):
+    """Make every material of the scene spectral: by its measured reflectance where one is chosen, \
+else by one restored from its base color. What cannot be is listed with the reason. Esc ends it"""
+
+    bl_idname = "skylight.make_spectral"
+    bl_label = "Make Everything Spectral"
+    doing = "Making spectral:"
+
+    estimate: bpy.props.BoolProperty(
+        name="Estimate",
+        description="Restore the reflectances that nobody measured from the materials' base colors",
+        default=True,
+    )
+
+    @classmethod
+    def hindrance(cls, context):
+        found = any(obj.material_slots for obj in context.scene.objects)
+        return operator.no_sky(context) or ("" if found else "No object has a material")
+
+    def work(self, context):
+        from ..scene import everything
+
+        chosen = choice.of_scene(context.scene)
+        settings = properties.settings_of(context.scene.world)
+        return everything.make(context.scene, chosen, settings, self.estimate)
+
+    def finish(self, context, done):
+        if done is None:
+            return [("WARNING", "ended before it was done: the materials so far are spectral")]
+        lines = [("WARNING", r.line) for r in done.results if r.out_of_gamut]
+        lines += [("INFO", f"left alone: {name}: {why}") for name, why in done.left]
+        return [*lines, ("INFO", operator.caption(context.scene.world)), ("INFO", done.line)]
+
+
+CLASSES = (SKYLIGHT_OT_make_spectral,)

@@ -1,0 +1,98 @@
+"""What can be chosen for one material, and the panels of the properties editor that show it."""
+
+import bpy
+
+from ..errors import InputError
+from . import readout, targets, wheels
+
+
+def draw(layout, context, material) -> None:
+    """Choose what a material is made of, apply and remove it, and read what it does."""
+    from ..scene import materials
+
+    try:
+        materials.check_editable(material)
+    except InputError as error:
+        readout.paragraph(layout, context, str(error), "LIBRARY_DATA_DIRECT")
+    else:
+        _choose(layout, context, material)
+    readout.material(layout, context, material)
+
+
+def _choose(layout, context, material) -> None:
+    from ..scene import materials
+
+    choice = material.skylight
+    row = layout.row(align=True)
+    row.prop(choice, "kind", text="")
+    row.prop(choice, "filepath", text="", placeholder="Measured values (CSV)")
+    row.operator("skylight.choose_reflectance", text="", icon="FILEBROWSER")
+    if choice.problem:
+        readout.paragraph(layout, context, choice.problem, "ERROR")
+    elif choice.filepath:
+        _details(layout, choice)
+    row = layout.row(align=True)
+    row.operator("skylight.apply" if choice.filepath else "skylight.estimate")
+    if material in materials.ours():
+        row.operator("skylight.remove")
+    row = layout.row(align=True)
+    row.operator("skylight.apply_selected")
+    row.operator("skylight.remove_selected")
+
+
+def _details(layout, choice) -> None:
+    if choice.kind == "METAL":
+        return
+    layout.prop_search(choice, "column", choice, "columns", icon="MATERIAL")
+    layout.prop(choice, "unit")
+    if choice.kind == "GLASS":
+        layout.prop(choice, "pane")
+        return
+    layout.prop(choice, "behind")
+    if choice.behind:
+        layout.prop(choice, "behind_column")
+
+
+class Properties:
+    """Where the panels of the properties editor stand."""
+
+    bl_label = "Spectral Skylight"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+
+
+class SKYLIGHT_PT_material_properties(Properties, bpy.types.Panel):
+    """The material that the properties editor shows."""
+
+    bl_context = "material"
+
+    @classmethod
+    def poll(cls, context):
+        return targets.active(context) is not None
+
+    def draw(self, context):
+        if wheels.missing():
+            wheels.draw(self.layout, context)
+            return
+        draw(self.layout, context, targets.active(context))
+
+
+class SKYLIGHT_PT_lamp(Properties, bpy.types.Panel):
+    """The spectrum of the lamp that the properties editor shows."""
+
+    bl_context = "data"
+
+    @classmethod
+    def poll(cls, context):
+        return getattr(context, "light", None) is not None
+
+    def draw(self, context):
+        self.layout.use_property_split = True
+        light = getattr(context, "light", None)
+        if light is None:
+            return
+        self.layout.prop(light.skylight, "spectrum")
+        readout.paragraph(self.layout, context, "Shows on spectral materials after Update")
+
+
+CLASSES = (SKYLIGHT_PT_material_properties, SKYLIGHT_PT_lamp)

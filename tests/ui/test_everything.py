@@ -1,0 +1,96 @@
+"""One click: what is measured, what is estimated, what is left alone, and all told."""
+
+import json
+
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from spectral_skylight.addon.scene import everything, materials, textures  # noqa: E402
+from spectral_skylight.addon.ui import panels  # noqa: E402
+from spectral_skylight.tests.ui.stage import drawn, given, material  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+
+@pytest.fixture
+def lamp(scene):
+    """A third cube, whose material shines."""
+    shining = bpy.data.materials.new("Sign")
+    if bpy.app.version < (5, 0, 0):
+        shining.use_nodes = True
+    shader = shining.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Emission Color"].default_value = (1, 0, 0, 1)
+    shader.inputs["Emission Strength"].default_value = 5.0
+    bpy.data.objects["Roof"].data.materials.append(shining)
+    return shining
+
+
+def test_one_click(scene, brick, lamp, capfd):
+    bpy.ops.skylight.choose_reflectance(filepath=brick, column="moss")
+    material("Roof").node_tree.nodes["Principled BSDF"].inputs[0].default_value = (0.6, 0.2, 0.1, 1)
+    assert bpy.ops.skylight.make_spectral() == {"FINISHED"}
+    assert (given("Wall"), given("Roof")) == ("moss", textures.ESTIMATED)
+    assert not materials.is_managed(lamp)
+    assert everything.left_alone(scene) == [("Sign", "gives light of its own")]
+    said = capfd.readouterr().out
+    assert "2 material(s) spectral, 1 of them estimated; 1 left alone" in said
+    assert "left alone: Sign: gives light of its own" in said
+    assert "1 measured, 1 estimated" in drawn(panels.SKYLIGHT_PT_main).text
+    assert panels.SKYLIGHT_PT_left.poll(bpy.context)
+    assert "Sign: gives light of its own" in drawn(panels.SKYLIGHT_PT_left).text
+    table = drawn(panels.SKYLIGHT_PT_all).text
+    assert "Wall: moss" in table and f"Roof: {textures.ESTIMATED}" in table
+    # A second click changes nothing; a new base colour is what the estimate follows.
+    before = materials.managed(material("Roof")).matrix
+    bpy.ops.skylight.make_spectral()
+    assert materials.managed(material("Roof")).matrix == before
+    material("Roof").node_tree.nodes["Principled BSDF"].inputs[0].default_value = (0.1, 0.2, 0.6, 1)
+    bpy.ops.skylight.make_spectral()
+    assert materials.managed(material("Roof")).matrix != before
+    assert given("Wall") == "moss"
+
+
+def test_only_what_was_measured(scene, brick, lamp):
+    bpy.ops.skylight.choose_reflectance(filepath=brick, column="moss")
+    bpy.ops.skylight.make_spectral(estimate=False)
+    assert (given("Wall"), given("Roof")) == ("moss", None)
+    assert ("Roof", "no reflectance is chosen for it") in everything.left_alone(scene)
+
+
+def test_a_broken_file_spoils_only_its_material(scene, tmp_path, brick):
+    bpy.ops.skylight.choose_reflectance(filepath=brick, column="moss")
+    bpy.ops.skylight.choose_reflectance(filepath=brick, column="brick", material="Roof")
+    broken = tmp_path / "broken.csv"
+    broken.write_text("nm,moss\n400,-1\n")
+    material("Wall").skylight.filepath = str(broken)
+    bpy.ops.skylight.make_spectral()
+    assert (given("Wall"), given("Roof")) == (None, "brick")
+    ((name, why),) = everything.left_alone(scene)
+    assert name == "Wall" and "broken.csv" in why
+
+
+def test_without_a_sky_the_button_says_why(scene):
+    scene.world = None
+    with pytest.raises(RuntimeError, match="has no World"):
+        bpy.ops.skylight.make_spectral()
+
+
+def test_ended_halfway_what_is_done_is_whole(scene, lamp):
+    """Esc closes the generator: materials before it are lit, those after it are untouched."""
+    from spectral_skylight.addon.ui import properties
+
+    work = everything.make(scene, {}, properties.settings_of(scene.world))
+    for progress in work:
+        if progress.line == "Roof":
+            break
+    work.close()
+    assert (given("Roof"), given("Wall")) == (textures.ESTIMATED, None)
+    assert json.loads(scene.get(everything.LEFT, "[]")) == []
+    assert "the sun" in drawn(panels.SKYLIGHT_PT_light).text
+    bpy.ops.skylight.remove_all()
+    work = everything.make(scene, {}, properties.settings_of(scene.world))
+    groups = len(bpy.data.node_groups)
+    next(work)
+    work.close()  # before the first: nothing has changed
+    assert len(bpy.data.node_groups) == groups and given("Roof") is None
