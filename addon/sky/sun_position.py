@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from datetime import datetime, timedelta, timezone, tzinfo
+from datetime import UTC, datetime, timedelta, timezone, tzinfo
 from zoneinfo import ZoneInfo
 
 import numpy as np
@@ -45,7 +45,7 @@ def sun_position(
     if not -180.0 <= longitude <= 180.0:
         raise InputError("--longitude", f"{longitude:g}°", "give -180 to 180, east positive")
     moment = moment.replace(tzinfo=_zone(zone))
-    if moment.astimezone(timezone.utc).astimezone(moment.tzinfo).time() != moment.time():
+    if moment.astimezone(UTC).astimezone(moment.tzinfo).time() != moment.time():
         cure = f"summer time begins in {zone}: give an hour later"
         raise InputError("--time", f"there is no {time} on {date}", cure)
     try:

@@ -67,7 +67,9 @@ def read(choice, material: bpy.types.Material, column: str = ""):
     faces = (1 + (choice.pane == "BLOCK")) if choice.kind == given.GLASS else 0
     found = given.read(path, column or choice.column, unit, faces)
     if choice.behind and not faces:
-        found = given.behind(found, given.read(absolute(choice.behind), choice.behind_column, faces=1))
+        found = given.behind(
+            found, given.read(absolute(choice.behind), choice.behind_column, faces=1)
+        )
     return found
 
 

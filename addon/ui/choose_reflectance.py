@@ -7,7 +7,22 @@ import bpy
 from ..errors import InputError
 from . import choice, operator, targets
 
-ENDINGS = tuple(".cgats .cie .csv .cxf .it8 .json .mat .sli .sp .ti3 .tsv .txt".split())
+ENDINGS = tuple(
+    [
+        ".cgats",
+        ".cie",
+        ".csv",
+        ".cxf",
+        ".it8",
+        ".json",
+        ".mat",
+        ".sli",
+        ".sp",
+        ".ti3",
+        ".tsv",
+        ".txt",
+    ]
+)
 """Endings of reflectance files; a test holds them to `spectra.formats`, which loads too much."""
 
 
