@@ -4,7 +4,9 @@ import pytest
 
 quickjs = pytest.importorskip("quickjs")
 
+from spectral_skylight.addon.batch.flamenco.submit import picture_ranges  # noqa: E402
 from spectral_skylight.tests.batch import flamenco_manager as manager  # noqa: E402
+from spectral_skylight.tests.benchmarks.virtual_farm import Picture  # noqa: E402
 
 PLAN = "/farm/house/plan.jsonl"
 
@@ -88,3 +90,22 @@ def test_a_plan_of_100_000_pictures():
     """One job; Flamenco takes more than 1,000 tasks since 3.3."""
     tasks = manager.compile_job({"plan": PLAN, "pictures": "0-99999/12"})
     assert len(tasks) == 8334
+
+
+@pytest.mark.parametrize(
+    ("blends", "size", "ranges"),
+    [
+        ("aaaabbbbcccc", 4, "0-11/4"),
+        ("aaaabbbbcccc", 2, "0-11/2"),
+        ("aaaabbbbcccc", 3, "0-3/3,4-7/3,8-11/3"),
+        ("aaabbcccc", 3, "0-4/3,5-8/3"),
+        ("a", 12, "0-0/12"),
+    ],
+)
+def test_no_task_opens_two_files(blends, size, ranges):
+    """As `picture_ranges` writes the plan and the job type cuts it."""
+    plan = [Picture(number, blend) for number, blend in enumerate(blends)]
+    assert picture_ranges(plan, size) == ranges
+    cut = [pictures(task) for task in manager.compile_job({"plan": PLAN, "pictures": ranges})]
+    assert [number for part in cut for number in part] == list(range(len(blends)))
+    assert all(len(part) <= size and len({blends[n] for n in part}) == 1 for part in cut)

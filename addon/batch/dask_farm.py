@@ -1,0 +1,176 @@
+"""Dask distributed: the pictures of a plan on the workers of a scheduler.
+
+Workers need Blender, the plan's folder and Dask, but nothing of this package: what they run travels
+to them by value. Import late: `distributed` is an extra, `pip install spectral-skylight[farm]`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import queue
+import sys
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import distributed
+from distributed import Client, Future, WorkerPlugin
+
+from .. import errors
+from ..errors import InputError
+from . import task as task_module
+from . import worker as worker_module
+from .task import Task, task_of
+from .worker import Worker, blender_command
+
+PATIENCE = 60.0
+"""How long a run waits for the first worker with a Blender [s]."""
+
+
+class Blenders(WorkerPlugin):
+    """On a worker: as many Blenders as it has threads, kept from one chunk to the next.
+
+    Its name is also that of a resource: the scheduler gives pictures to workers that have it.
+    """
+
+    def __init__(self, root: str, blender: str | None, timeout: float | None) -> None:
+        self.root, self.blender, self.timeout = root, blender, timeout
+        self.name = f"spectral-skylight {root}"
+
+    async def setup(self, worker: Any) -> None:
+        """Offer the worker's threads, if it has a Blender and sees the plan."""
+        self.idle: queue.SimpleQueue[Worker] = queue.SimpleQueue()
+        self.all: list[Worker] = []
+        self.stopped = False
+        blender_command(self.blender)
+        if not Path(self.root).is_dir():
+            raise InputError(self.root, "is no folder of this worker", "share it")
+        threads = worker.state.nthreads
+        self.threads = 0 if threads == 1 else max(1, (os.cpu_count() or 1) // threads)
+        await worker.set_resources(**{self.name: threads})
+
+    async def teardown(self, worker: Any) -> None:
+        """End all Blenders at once, with the pictures under way."""
+        self.stopped = True
+        await worker.set_resources(**{self.name: 0})
+        for blender in self.all:
+            blender.kill()
+
+    def render(self, lines: Sequence[str]) -> list[dict[str, Any]]:
+        """Do tasks, lines of a plan, and return their answers."""
+        try:
+            blender = self.idle.get_nowait()
+        except queue.Empty:
+            blender = Worker(self.root, self.blender, self.threads)
+            self.all.append(blender)
+        answers = []
+        for line in lines:
+            if self.stopped:
+                raise RuntimeError("the run has ended")
+            answers.append(blender.render(task_of(line), self.timeout))
+        self.idle.put(blender)
+        return answers
+
+
+class DaskPool:
+    """A scheduler's workers as a pool for `dispatch`; chunks of lost workers go to others."""
+
+    def __init__(self, client: Client, name: str) -> None:
+        self._client, self._name = client, name
+
+        # No function of the module: Dask would send that by its name.
+        def render(lines: Sequence[str]) -> list[dict[str, Any]]:
+            return distributed.get_worker().plugins[name].render(lines)
+
+        self._render = render
+        self._away: dict[Future, Sequence[Task]] = {}
+        self._done = distributed.as_completed(loop=client.loop)
+        self._blenders, self._asked = 0, -PATIENCE
+
+    def workers(self) -> int:
+        """Blenders that can render now, as of the last seconds."""
+        if time.monotonic() - self._asked > 5:
+            workers = self._client.scheduler_info(n_workers=-1)["workers"].values()
+            self._blenders = round(sum(w["resources"].get(self._name, 0) for w in workers))
+            self._asked = time.monotonic()
+        return self._blenders
+
+    def room(self) -> int:
+        """One chunk for each Blender, and one in its hand."""
+        return max(1, 2 * self.workers()) - len(self._away)
+
+    def submit(self, chunk: Sequence[Task]) -> None:
+        """Send a chunk to the scheduler."""
+        lines = [task.line() for task in chunk]
+        future = self._client.submit(self._render, lines, pure=False, resources={self._name: 1})
+        self._away[future] = chunk
+        self._done.add(future)
+
+    def finished(self) -> tuple[Sequence[Task], Sequence[dict[str, Any]]]:
+        """Wait for a chunk; all of its pictures failed where Dask gave it up."""
+        future = next(self._done)
+        chunk = self._away.pop(future)
+        try:
+            return chunk, future.result()
+        except Exception as error:  # KilledWorker, CancelledError, what a worker raised
+            reason = " ".join(str(error).split()) or type(error).__name__
+            failure = {"status": "failed", "error": reason}
+            return chunk, [{"index": task.index, **failure} for task in chunk]
+
+    def cancel(self) -> None:
+        """Take back all that is not done."""
+        self._client.cancel(list(self._away))
+        self._away.clear()
+
+
+@contextlib.contextmanager
+def dask_pool(
+    address: str,
+    root: str | Path,
+    blender: str | None = None,
+    timeout: float | None = None,
+    patience: float = PATIENCE,
+) -> Iterator[DaskPool]:
+    """Connect to a scheduler, as ``tcp://host:8786``, and yield its workers as a pool.
+
+    ``root``: the plan's folder, at the same path for every worker; ``blender``: its command on the
+    workers; ``timeout``: of a picture [s]. However the block ends, nothing goes on
+    rendering. Raises InputError where no scheduler answers or no worker can render.
+    """
+    import cloudpickle
+
+    for module in (sys.modules[__name__], worker_module, task_module, errors):
+        cloudpickle.register_pickle_by_value(module)
+    try:
+        client = Client(address, timeout=10, set_as_default=False)
+    except (OSError, ValueError) as error:
+        said = " ".join(str(error).split())
+        raise InputError(
+            address, f"no Dask scheduler answers ({said})", "see dask scheduler"
+        ) from None
+    with client:
+        plugin = Blenders(str(root), blender, timeout)
+        pool = DaskPool(client, plugin.name)
+        trouble = ""
+        try:
+            try:
+                client.register_plugin(plugin)
+            except Exception as error:  # of one worker: others may do, see below
+                trouble = f": {error}"
+            end = time.monotonic() + patience
+            while pool.workers() == 0:
+                if time.monotonic() > end:
+                    count = len(client.scheduler_info(n_workers=-1)["workers"])
+                    raise InputError(
+                        address,
+                        f"none of its {count} workers can render{trouble}",
+                        "start dask worker where Blender and the plan's folder are",
+                    )
+                time.sleep(0.2)
+                pool._asked = -PATIENCE
+            yield pool
+        finally:
+            pool.cancel()
+            client.unregister_worker_plugin(plugin.name)
