@@ -41,7 +41,7 @@ MODULES_OF = {
     "registration": {"bpy"},
     "cli": set(),
     "commands": {"numpy", "tqdm"},
-    "batch": {"bpy", "numpy", "tqdm"},
+    "batch": {"bpy", "cloudpickle", "distributed", "numpy", "tqdm"},
 }
 """Room and the modules from outside, Python's own apart, that it may import."""
 

@@ -11,7 +11,7 @@ import os
 import queue
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,9 @@ from . import task as task_module
 from . import worker as worker_module
 from .task import Task, task_of
 from .worker import Worker, blender_command
+
+CONNECT = 10.0
+"""How long the scheduler may take to answer [s]."""
 
 PATIENCE = 60.0
 """How long a run waits for the first worker with a Blender [s]."""
@@ -82,9 +85,11 @@ class DaskPool:
 
         # No function of the module: Dask would send that by its name.
         def render(lines: Sequence[str]) -> list[dict[str, Any]]:
-            return distributed.get_worker().plugins[name].render(lines)
+            blenders: Any = distributed.get_worker().plugins[name]
+            return blenders.render(lines)
 
         self._render = render
+        self.note: Callable[[Task, dict[str, Any]], None] = lambda task, answer: None
         self._away: dict[Future, Sequence[Task]] = {}
         self._done = distributed.as_completed(loop=client.loop)
         self._blenders, self._asked = 0, -PATIENCE
@@ -113,11 +118,14 @@ class DaskPool:
         future = next(self._done)
         chunk = self._away.pop(future)
         try:
-            return chunk, future.result()
+            answers = future.result()
         except Exception as error:  # KilledWorker, CancelledError, what a worker raised
             reason = " ".join(str(error).split()) or type(error).__name__
             failure = {"status": "failed", "error": reason}
-            return chunk, [{"index": task.index, **failure} for task in chunk]
+            answers = [{"index": task.index, **failure} for task in chunk]
+        for task, answer in zip(chunk, answers, strict=True):
+            self.note(task, answer)
+        return chunk, answers
 
     def cancel(self) -> None:
         """Take back all that is not done."""
@@ -144,7 +152,7 @@ def dask_pool(
     for module in (sys.modules[__name__], worker_module, task_module, errors):
         cloudpickle.register_pickle_by_value(module)
     try:
-        client = Client(address, timeout=10, set_as_default=False)
+        client = Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, ValueError) as error:
         said = " ".join(str(error).split())
         raise InputError(

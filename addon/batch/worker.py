@@ -19,29 +19,31 @@ from .task import SCRIPT, Task
 
 ANSWER = "skylight-task "  # as render_task.py has it: workers of a farm get this file alone
 
+PLAIN = ("-b", "--factory-startup", "--python-exit-code", "1", "-P")
+"""How Blender runs a script without a window, add-ons and preferences."""
+
 
 def blender_command(blender: str | Path | None = None) -> list[str]:
     """Return what starts `render_task.py` in a Blender, but for the script and its arguments.
 
-    ``blender``: an executable; None: the running Blender, or this Python with bpy as its module.
-    Raises InputError where there is none.
+    ``blender``: an executable; None: the running Blender, this Python with bpy as its module, or
+    the command ``blender``. Raises InputError where there is none.
     """
     import importlib.util
     import shutil
 
-    if blender is None:
-        with contextlib.suppress(ImportError):
-            import bpy
-
-            blender = bpy.app.binary_path or None
+    if blender is None and "bpy" in sys.modules:
+        blender = sys.modules["bpy"].app.binary_path or None
     if blender is not None:
         found = shutil.which(str(blender))
         if found is None:
             raise InputError(blender, "is no Blender that can be started", "check --blender")
-        return [found, "-b", "--factory-startup", "--python-exit-code", "1", "-P"]
-    if importlib.util.find_spec("bpy") is None:
-        raise InputError("batch", "there is no Blender here", "give --blender PATH")
-    return [sys.executable]
+        return [found, *PLAIN]
+    if importlib.util.find_spec("bpy") is not None:
+        return [sys.executable]
+    if found := shutil.which("blender"):
+        return [found, *PLAIN]
+    raise InputError("batch", "there is no Blender here", "give --blender PATH")
 
 
 class Worker:

@@ -11,11 +11,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from ..errors import InputError
+from . import batch_flamenco
+
 
 def add(commands: Any) -> None:
     """Add the command, and those under it, to those of the parser."""
     parser = commands.add_parser("batch", help="many pictures, here or on a farm")
-    steps = parser.add_subparsers(required=True, metavar="plan|run|report")
+    steps = parser.add_subparsers(required=True, metavar="plan|run|report|flamenco")
     plan = steps.add_parser("plan", help="check a study and list its pictures")
     plan.add_argument("study", metavar="STUDY.toml")
     plan.add_argument(
@@ -24,14 +27,21 @@ def add(commands: Any) -> None:
     plan.set_defaults(run=_plan)
     run = steps.add_parser("run", help="render what of a study is not there yet")
     run.add_argument("study", metavar="STUDY.toml|PLAN.jsonl")
-    run.add_argument("--workers", type=_count, help="processes; default: as many as are useful")
-    run.add_argument("--blender", metavar="PATH", help="executable; default: this Blender")
+    where = run.add_mutually_exclusive_group()
+    where.add_argument("--workers", type=_count, help="processes; default: as many as are useful")
+    where.add_argument(
+        "--scheduler", metavar="tcp://HOST:8786", help="of Dask, whose workers render"
+    )
+    run.add_argument(
+        "--blender", metavar="PATH", help="executable, where it is rendered; default: this Blender"
+    )
     run.add_argument("--timeout", type=float, metavar="SECONDS", help="of one picture")
     run.add_argument("--dry-run", action="store_true", help="only say what would be rendered")
     run.set_defaults(run=_run)
     report = steps.add_parser("report", help="write report.html and report.json of a plan")
     report.add_argument("plan", metavar="PLAN.jsonl|STUDY.toml")
     report.set_defaults(run=_report)
+    batch_flamenco.add(steps)
 
 
 def _count(text: str) -> int:
@@ -78,11 +88,12 @@ def _prepared(path: Path, made: Any) -> str:
 
 def _run(options: argparse.Namespace) -> None:
     """Plan, prepare and render; fail where a picture did."""
-    from ..batch import local_pool, plan, progress, report, run
+    from ..batch import progress, report, run
     from ..batch.lock import locked
     from ..batch.worker import blender_command
 
-    blender_command(options.blender)
+    if options.scheduler is None:
+        blender_command(options.blender)
     out, path, outcome, state = _folder(options.study), None, None, "stopped"
     with locked(out), progress.Progress(out) as shown, _ended_gently():
         try:
@@ -91,17 +102,37 @@ def _run(options: argparse.Namespace) -> None:
                 print(_contents(path))
                 state = "done"
                 return
-            total, first = plan.read_header(path)["tasks"], next(plan.read_tasks(path, 0, 1))
-            count = options.workers or local_pool.useful_workers(first.engine, total)
-            pool = local_pool.LocalPool(path.parent, count, options.blender, options.timeout)
-            with contextlib.closing(pool):
-                outcome = run.run(path, pool, shown.tell, local_pool.TOGETHER, count)
+            with _pool(options, path) as (pool, together, count):
+                outcome = run.run(path, pool, shown.tell, together, count)
             state = "done" if outcome.complete else "failed"
         finally:
             shown.end(state, outcome)
             if path is not None and not options.dry_run:
                 report.write_report(path)
     _say(path, outcome)
+
+
+@contextlib.contextmanager
+def _pool(options: argparse.Namespace, plan: Path) -> Iterator[tuple[Any, int, int]]:
+    """Yield those who render, how many pictures one takes at once, and how many they are."""
+    if options.scheduler is not None:
+        try:
+            from ..batch import dask_farm, dispatch
+        except ImportError as error:
+            cure = 'pip install "spectral-skylight[farm]"'
+            raise InputError("--scheduler", f"needs Dask ({error})", cure) from None
+        asked = (options.scheduler, plan.parent, options.blender, options.timeout)
+        with dask_farm.dask_pool(*asked) as farm:
+            yield farm, dispatch.CHUNK, farm.workers()
+        return
+    from ..batch import local_pool
+    from ..batch.plan import read_header, read_tasks
+
+    first = next(read_tasks(plan, 0, 1))
+    count = options.workers or local_pool.useful_workers(first.engine, read_header(plan)["tasks"])
+    pool = local_pool.LocalPool(plan.parent, count, options.blender, options.timeout)
+    with contextlib.closing(pool):
+        yield pool, local_pool.TOGETHER, count
 
 
 def _ready(options: argparse.Namespace, shown: Any) -> Path:

@@ -55,7 +55,7 @@ def small_plan(folder: Path, cameras: int = 6, size: int = 32, samples: int = 1)
         for row, sky in enumerate(("dawn", "noon"))
         for camera in range(cameras)
     ]
-    header = {"format": FORMAT, "version": VERSION, "tasks": len(tasks)}
+    header = {"format": FORMAT, "version": VERSION, "tasks": len(tasks), "study": "study.toml"}
     plan = folder / "plan.jsonl"
     lines = [json.dumps(header), *(task.line() for task in tasks)]
     plan.write_text("".join(line + "\n" for line in lines), encoding="utf-8")
@@ -69,7 +69,7 @@ def copy_plan(plan: Path, folder: Path) -> Path:
 
 
 def files(plan: Path) -> dict[str, bytes]:
-    """All that was rendered, and what was left behind."""
+    """All that was rendered, but for what a kill left half-written: the next run clears that."""
     folder = plan.parent / "pictures"
-    found = (path for path in sorted(folder.rglob("*")) if path.is_file())
+    found = (path for path in sorted(folder.rglob("[!.]*.*")) if path.is_file())
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in found}

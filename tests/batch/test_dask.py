@@ -6,20 +6,25 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
 
-pytest.importorskip("bpy")
-distributed = pytest.importorskip("distributed")
+bpy = pytest.importorskip("bpy")
+psutil = pytest.importorskip("psutil")
+pytest.importorskip("distributed")
 
-from spectral_skylight.addon.batch.dask_farm import dask_pool  # noqa: E402
-from spectral_skylight.addon.batch.dispatch import chunks, dispatch  # noqa: E402
-from spectral_skylight.addon.batch.plan import read_tasks  # noqa: E402
+from spectral_skylight.addon.batch import dask_farm  # noqa: E402
+from spectral_skylight.addon.cli import main  # noqa: E402
 from spectral_skylight.addon.errors import InputError  # noqa: E402
 from spectral_skylight.tests.batch.small_plan import copy_plan, files, small_plan  # noqa: E402
 
-pytestmark = [pytest.mark.blender, pytest.mark.slow]
+pytestmark = [
+    pytest.mark.blender,
+    pytest.mark.slow,
+    pytest.mark.skipif(bpy.app.version < (5, 1), reason="one for all Blenders: in the newest"),
+]
 
 
 class Cluster:
@@ -49,7 +54,7 @@ class Cluster:
             process.terminate()
         for process in self.processes:
             with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(10)
+                process.wait(2)
             process.kill()
 
 
@@ -66,38 +71,93 @@ def elsewhere(tmp_path_factory):
     return environment
 
 
-@pytest.fixture
-def cluster(tmp_path, elsewhere):
-    cluster = Cluster(tmp_path, elsewhere)
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory, elsewhere):
+    cluster = Cluster(tmp_path_factory.mktemp("cluster"), elsewhere)
     yield cluster
     cluster.end()
 
 
-def alone(plan):
-    """Render a plan as one Blender on its own does, and return the files."""
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory):
+    """Twelve pictures of two files, one of which cannot be; rendered by one Blender on its own."""
+    plan = small_plan(tmp_path_factory.mktemp("here") / "house")
+    text = plan.read_text(encoding="utf-8").replace('"camera 3"', '"camera nobody has"', 1)
+    plan.write_text(text, encoding="utf-8")
     script = plan.with_name("render_task.py")
-    subprocess.run([sys.executable, script, "--", plan], check=True, capture_output=True)
-    return files(plan)
+    done = subprocess.run([sys.executable, script, "--", plan], capture_output=True)
+    assert done.returncode == 1
+    assert len(files(plan)) == 2 * 11
+    return plan
 
 
-def test_a_killed_worker_loses_nothing(cluster, tmp_path):
+def pictures(plan):
+    return [name for name in files(plan) if name.endswith(".exr")]
+
+
+def when(pictures_are, plan, do):
+    """Do something as soon as there are so many pictures."""
+
+    def wait():
+        while len(pictures(plan)) < pictures_are:
+            time.sleep(0.05)
+        do()
+
+    thread = threading.Thread(target=wait, daemon=True)
+    thread.start()
+    return thread
+
+
+def blenders():
+    """Processes that serve tasks now."""
+    return [p for p in psutil.process_iter(["cmdline"]) if "--serve" in (p.info["cmdline"] or ())]
+
+
+def test_a_killed_worker_loses_nothing(cluster, plan, tmp_path, capsys):
     """kill -9 half-way, and the pictures are, byte for byte, those of a run alone."""
-    here = small_plan(tmp_path / "here")
-    there = copy_plan(here, tmp_path / "there")
-    workers = [cluster.worker(), cluster.worker()]
-    answers = []
-    with dask_pool(cluster.address, there.parent) as pool:
-        for _ in dispatch(chunks(read_tasks(there), 2), pool):
-            answers.append(_[1])
-            if len(answers) == 4:
-                os.kill(workers[0].pid, signal.SIGKILL)
-    assert [answer["status"] for answer in answers if answer["status"] != "skipped"]
-    assert sorted(answer["index"] for answer in answers) == list(range(12))
-    assert not [answer for answer in answers if answer["status"] == "failed"]
-    assert files(there) == alone(here)
+    there = copy_plan(plan, tmp_path / "there")
+    victim, _ = cluster.worker(), cluster.worker()
+    killer = when(3, there, lambda: os.kill(victim.pid, signal.SIGKILL))
+    code = main(["batch", "run", str(there), "--scheduler", cluster.address])
+    killer.join(1)
+    assert victim.poll() == -signal.SIGKILL
+    assert code == 1
+    said = capsys.readouterr()
+    assert "1 failed" in said.out
+    assert "camera nobody has" in said.err
+    assert files(there) == files(plan)
+    # What fails is tried three times, and the others go on.
+    log = (there.parent / "results.jsonl").read_text(encoding="utf-8").splitlines()
+    answers = [json.loads(line) for line in log]
+    assert sum(answer["status"] == "failed" for answer in answers) == 3
+    assert blenders() == []
 
 
-def test_no_scheduler_is_said():
+def test_ctrl_c_ends_the_farms_work_and_a_second_run_the_rest(cluster, plan, tmp_path):
+    there = copy_plan(plan, tmp_path / "there")
+    cluster.worker()  # beside the one that is left
+    run = ["batch", "run", str(there), "--scheduler", cluster.address]
+    code = f"import sys; from spectral_skylight.addon.cli import main; sys.exit(main({run}))"
+    process = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE)
+    when(2, there, lambda: process.send_signal(signal.SIGINT))
+    said = process.communicate(timeout=120)[1]
+    assert process.returncode == 1
+    assert b"stopped" in said
+    assert blenders() == []
+    assert 2 <= len(pictures(there)) < 11
+    assert main(run) == 1  # for the camera that nobody has
+    assert files(there) == files(plan)
+
+
+def test_workers_that_cannot_render_are_given_nothing(cluster, tmp_path):
+    said = "none of its .* workers can render.*no/blender.* is no Blender that can be started"
+    pool = dask_farm.dask_pool(cluster.address, tmp_path, "no/blender", patience=0)
+    with pytest.raises(InputError, match=said), pool:
+        pass
+
+
+def test_no_scheduler_is_said(monkeypatch):
+    monkeypatch.setattr(dask_farm, "CONNECT", 1)
     said = "tcp://127.0.0.1:9: no Dask scheduler answers"
-    with pytest.raises(InputError, match=said), dask_pool("tcp://127.0.0.1:9", "."):
+    with pytest.raises(InputError, match=said), dask_farm.dask_pool("tcp://127.0.0.1:9", "."):
         pass

@@ -48,11 +48,11 @@ def test_each_range_is_a_task(text, expected):
 
 
 def test_the_report_comes_last():
-    job = {"plan": PLAN, "pictures": "0-39/10", "study": "{shared}/house.toml"}
+    job = {"plan": "{shared}/house/plan.jsonl", "pictures": "0-39/10", "report": True}
     *tasks, last = manager.compile_job(job)
     assert last["dependencies"] == [task["uuid"] for task in tasks]
     line = manager.command_line(last, {"shared": "/farm"})
-    assert line == ["spectral-skylight", "batch", "run", "/farm/house.toml"]
+    assert line == ["spectral-skylight", "batch", "report", PLAN]
 
 
 @pytest.mark.parametrize("text", ("", "5-3", "0-9/0", "1,,2", "a-b", "-3", "0-9;8"))

@@ -107,7 +107,10 @@ def test_a_submitted_plan_is_rendered(plan, blender, tmp_path):
 
     # What the Manager's `replaceTwoWayVariables` does with settings.
     office = str(there.parent)
-    settings = {key: text.replace(office, "{shared}") for key, text in job["settings"].items()}
+    settings = {
+        key: value.replace(office, "{shared}") if isinstance(value, str) else value
+        for key, value in job["settings"].items()
+    }
     tasks = manager.compile_job(settings)
     assert [task["name"] for task in tasks] == ["pictures 0-2", "pictures 3-5"]
     for task in tasks:

@@ -13,9 +13,9 @@ const JOB_TYPE = {
         { key: "pictures", type: "string", required: true,
           description: "Pictures by their place in the plan. Each range is one task; A-B/N is cut " +
               "into tasks of at most N pictures. Examples: '0-39', '0-39,40-79', '0-1439/12'" },
-        { key: "study", type: "string", subtype: "file_path", required: false, default: "",
-          description: "The study, STUDY.toml, for a report at the end. Needs a worker with the " +
-              "command spectral-skylight" },
+        { key: "report", type: "bool", required: false, default: false,
+          description: "Write the report at the end. Needs a worker with the command " +
+              "spectral-skylight" },
     ],
 };
 
@@ -28,11 +28,10 @@ function compileJob(job) {
         return task;
     });
     renders.forEach(function (task) { job.addTask(task); });
-    if (settings.study) {
-        // Finds all pictures in place, and writes the report.
+    if (settings.report) {
         const report = author.Task("report", "misc");
         report.addCommand(author.Command("exec", {
-            exe: "spectral-skylight", args: ["batch", "run", absolute(settings.study)],
+            exe: "spectral-skylight", args: ["batch", "report", plan],
         }));
         renders.forEach(function (task) { report.addDependency(task); });
         job.addTask(report);

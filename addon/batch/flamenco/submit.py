@@ -17,6 +17,7 @@ from typing import Any
 from ...errors import InputError
 from ..dispatch import CHUNK, Picture
 from ..plan import read_header, read_tasks
+from ..run import unprepared
 
 SCRIPT = Path(__file__).with_name("spectral_skylight.js")
 """The job type, for the folder ``scripts`` beside the Manager's executable."""
@@ -26,25 +27,26 @@ JOB_TYPE = SCRIPT.stem.replace("_", "-")
 
 
 def job_of(
-    plan: str | Path, study: str | Path | None = None, size: int = CHUNK, priority: int = 50
+    plan: str | Path, size: int = CHUNK, priority: int = 50, report: bool = False
 ) -> dict[str, Any]:
     """Return a plan as a job, what Flamenco's API calls a SubmittedJob.
 
     Paths are those of this machine: the Manager's two-way variables make them those of the
-    workers. ``study`` has a worker with this command write the report in the end; ``size``
-    bounds the pictures of one task. Raises InputError for a file that is no plan.
+    workers. ``size`` bounds the pictures of one task; ``report`` has a worker with this command
+    write the report in the end. Raises InputError for a file that is no plan or not prepared.
     """
     plan = Path(plan).resolve()
     total = read_header(plan)["tasks"]
-    settings = {"plan": str(plan), "pictures": picture_ranges(read_tasks(plan), size)}
-    if study is not None:
-        settings["study"] = str(Path(study).resolve())
+    if missing := unprepared(plan):
+        cure = "batch plan STUDY.toml --prepare"
+        raise InputError(plan, f"{missing} is not prepared", cure)
+    pictures = picture_ranges(read_tasks(plan), size)
     return {
         "name": f"{plan.parent.name}, {total} pictures",
         "type": JOB_TYPE,
         "priority": priority,
         "submitter_platform": platform.system().lower(),  # as Go's GOOS: linux, windows, darwin
-        "settings": settings,
+        "settings": {"plan": str(plan), "pictures": pictures, "report": report},
         "metadata": {"project": plan.parent.name},
     }
 

@@ -1,0 +1,40 @@
+"""`batch flamenco`: a plan as a job for Flamenco's workers."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from typing import Any
+
+
+def add(steps: Any) -> None:
+    """Add the command to those of `batch`."""
+    parser = steps.add_parser("flamenco", help="a plan as a job for Flamenco 3")
+    parser.add_argument("plan", metavar="PLAN.jsonl", help="prepared: batch plan --prepare")
+    parser.add_argument(
+        "--manager", metavar="http://HOST:8080", help="send it there; default: print it as JSON"
+    )
+    parser.add_argument("--together", type=int, default=12, help="pictures of one task at most")
+    parser.add_argument("--priority", type=int, default=50)
+    parser.add_argument(
+        "--report", action="store_true", help="a worker that has this command writes the report"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print the page of the job at the Manager, or the job itself and where its type belongs."""
+    from ..batch.flamenco import submit
+    from ..errors import InputError
+
+    if options.together < 1:
+        raise InputError(
+            "--together", f"{options.together} is no number of pictures", "use 1 or more"
+        )
+    job = submit.job_of(options.plan, options.together, options.priority, options.report)
+    if options.manager:
+        print(submit.submit(options.manager, job))
+        return
+    print(json.dumps(job, indent=1, ensure_ascii=False))
+    print(f'copy {submit.SCRIPT} into the Manager\'s folder "scripts"', file=sys.stderr)
