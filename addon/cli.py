@@ -10,7 +10,7 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from .commands import apply, batch, chart, evaluate, irradiance, matrix, render, sky
+from .commands import apply, batch, chart, evaluate, irradiance, matrix, picture, render, sky
 from .errors import InputError
 
 
@@ -47,6 +47,6 @@ def _parser() -> argparse.ArgumentParser:
         prog="spectral-skylight", description="Spectrally correct colours under skies."
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for command in (matrix, sky, irradiance, apply, render, evaluate, chart, batch):
+    for command in (matrix, sky, irradiance, picture, apply, render, evaluate, chart, batch):
         command.add(commands)
     return parser

@@ -20,7 +20,7 @@ MAY_IMPORT = {
     "transfer": {"errors", "spectra", "sky"},
     "pictures": {"errors", "spectra", "sky", "transfer"},
     "node_groups": set(),
-    "scene": {"errors", "spectra", "sky", "transfer", "node_groups"},
+    "scene": {"errors", "spectra", "sky", "transfer", "pictures", "node_groups"},
     "ui": {"errors", "scene", "spectra", "pictures"},
     "registration": {"ui", "cli"},
     "cli": {"errors", "commands"},

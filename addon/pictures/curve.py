@@ -59,7 +59,9 @@ def curve(
     _axes(canvas, theme, top)
     if sky is not None:
         canvas.line(x, BOTTOM - (BOTTOM - TOP) * light, theme.sky, 2.2)
-        canvas.rectangle(0.0, 0.0, SIZE, TOP - 1.0, theme.paper)  # what rises out of the plot
+        canvas.rectangle(
+            LEFT - 3.0, 0.0, SIZE, TOP - 1.0, theme.paper
+        )  # what rises out of the plot
     y = place_y(rho, top)
     for start, end in [(max(low, WAVELENGTHS[0]), min(high, WAVELENGTHS[-1])), *held]:
         nodes = np.unique(np.clip(WAVELENGTHS, start, end))

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from .canvas import Canvas
 from .theme import LIGHT, Theme
 
-WIDTH, ROW, TOP = 480.0, 34.0, 104.0
+WIDTH, ROW, TOP = 480.0, 38.0, 104.0
 LEFT, RIGHT = 190.0, 424.0
 """Between which the bars are drawn [units]."""
 
@@ -48,10 +48,10 @@ def errors(
     canvas.text(noticeable, TOP - 14, "just noticeable", _TEXT - 3, theme.faint, 0.5)
     for place, k in enumerate(np.argsort(-known[0], kind="stable")):
         y = TOP + ROW * place
-        canvas.text(LEFT - 10, y + 22, names[k], _TEXT, theme.ink, 1.0, room=LEFT - 26)
-        for start, value, shade in ((4, today[k], theme.today), (17, ours[k], theme.ours)):
+        canvas.text(LEFT - 10, y + 25, names[k], _TEXT, theme.ink, 1.0, room=LEFT - 26)
+        for start, value, shade in ((4, today[k], theme.today), (19, ours[k], theme.ours)):
             end = LEFT + unit * np.nan_to_num(value)
-            canvas.rectangle(LEFT, y + start, end, y + start + 11, shade)
+            canvas.rectangle(LEFT, y + start, end, y + start + 12, shade)
             number = "–" if np.isnan(value) else f"{value:.2f}"
             canvas.text(end + 6, y + start + 11, number, 15.0, theme.ink)
     return canvas.pixels

@@ -15,13 +15,13 @@ from .theme import DARK, Theme
 SIZE = 480.0
 """Side of the picture [units]."""
 
-LEFT, TOP, CELL, GAP = 66.0, 52.0, 130.0, 5.0
+LEFT, TOP, CELL, GAP = 70.0, 48.0, 124.0, 5.0
 """Where the cells begin, how large they are and how far apart [units]."""
 
-LARGEST = 88.0
+LARGEST = 84.0
 """Side of the square of the largest entry [units]."""
 
-_TEXT = 23.0
+_TEXT, _SMALL = 23.0, 20.0
 _CHANNELS = {"R": (0.87, 0.25, 0.22), "G": (0.25, 0.66, 0.32), "B": (0.28, 0.47, 0.93)}
 
 
@@ -55,7 +55,19 @@ def matrix(
             half = side(other[row, column], largest) / 2
             canvas.frame(x - half, middle - half, x + half, middle + half, theme.ink, 2.0)
         canvas.text(x, y + CELL / 2 - 8, signed(value), _TEXT, theme.ink, 0.5)
+    _legend(canvas, theme, bool(other.any()))
     return canvas.pixels
+
+
+def _legend(canvas: Canvas, theme: Theme, today: bool) -> None:
+    """Say what colours and outlines are."""
+    x, y = LEFT, SIZE - 32.0
+    for word, shade in (("adds", theme.plus), ("takes away", theme.minus)):
+        canvas.rectangle(x, y, x + 18, y + 18, shade)
+        x += 48.0 + canvas.text(x + 26, y + 16, word, _SMALL, theme.ink)
+    if today:
+        canvas.frame(x, y, x + 18, y + 18, theme.ink, 2.0)
+        canvas.text(x + 26, y + 16, "RGB × RGB", _SMALL, theme.ink)
 
 
 def centre(row: int, column: int) -> tuple[float, float]:

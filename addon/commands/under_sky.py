@@ -1,0 +1,97 @@
+"""Matrices of reflectances under what a command's options say of the sky."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+from ..errors import InputError
+from .arguments import add_matrix_options, basis_name, three
+
+
+def add_sky_options(parser: argparse.ArgumentParser) -> None:
+    """Add what decides a material's matrix, the sky included."""
+    source = parser.add_mutually_exclusive_group()
+    source.add_argument("--sky", metavar="HDRI", help="predict the errors under this sky")
+    source.add_argument(
+        "--sky-rgb", type=three, metavar="R,G,B", help="the skylight's colour, in the space"
+    )
+    add_matrix_options(parser)
+    parser.add_argument("--space", default="Linear Rec.709", help="working space of the scene")
+
+
+@dataclass(frozen=True)
+class UnderSky:
+    """Models of reflectances, a `Choice`, and what was found in the sky.
+
+    ``light``: the `SkyLight`, None without an HDRI; ``lights`` (k, 3) as the sky's numbers are,
+    None without any sky.
+    """
+
+    choice: Any
+    light: Any
+    lights: Any
+    white: Any
+    sun_elevation: float | None
+    notes: list[str]
+
+
+def choose(options: argparse.Namespace, reflectances: Any) -> UnderSky:
+    """Return the models of reflectances (m, 81) under the sky of the options.
+
+    Raises InputError as the readers of the options' files and `transfer` do.
+    """
+    import numpy as np
+
+    from ..sky.light import analyse
+    from ..sky.panorama import read_panorama
+    from ..spectra.sensitivities import camera, observer
+    from ..spectra.working_spaces import rec709_to_working
+    from ..transfer.choice import choose_with, doubt
+    from ..transfer.matrices import transfer
+    from ..transfer.white import AUTO, estimate_white, settle_white
+
+    lights, light, notes, doubted = None, None, [], ""
+    white, elevation = options.white, options.sun_elevation
+    if options.sky_rgb is not None:
+        if not np.isfinite(options.sky_rgb).all():
+            raise InputError("--sky-rgb", "is not finite", "give three numbers R,G,B")
+        lights = np.array([options.sky_rgb])
+    elif options.sky is not None:
+        S_in = observer() if options.camera is None else camera(options.camera)
+        if isinstance(white, tuple):
+            S_in = S_in / np.array(white)[:, None]
+        light = analyse(read_panorama(options.sky), S_in=S_in)
+        elevation = light.sun_elevation(elevation)
+        lights = light.faces
+        if options.camera is None:
+            lights = lights @ rec709_to_working(options.space).T
+    mapping = partial(
+        transfer,
+        camera=options.camera,
+        space=options.space,
+        sun_elevation=elevation,
+        sky_rgb=lights,
+    )
+    if light is not None:
+        to_working = None if options.camera else rec709_to_working(options.space)
+        white, note = settle_white(
+            white, lambda: estimate_white(light, mapping("rayleigh"), elevation, to_working)
+        )
+        notes = [*light.notes, note] if note else light.notes
+        doubted = doubt(light, tinted=bool(note) and options.white is None)
+    elif white == AUTO:
+        raise InputError("--white auto", "there is no sky to estimate it from", "give --sky HDRI")
+    choice = choose_with(
+        partial(mapping, white=white),
+        basis_name(options),
+        reflectances,
+        lights,
+        elevation,
+        options.tolerance,
+        light.outside.foreign if light else 0.0,
+        doubted,
+    )
+    return UnderSky(choice, light, lights, white, elevation, notes)

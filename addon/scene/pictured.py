@@ -1,0 +1,46 @@
+"""What pictures show of materials, out of the blend file alone."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+
+from ..pictures.portrait import Portrait, plain
+from ..spectra.working_spaces import DEFAULT_SPACE
+from . import materials, sky_light, textures
+
+
+def portrait(material: bpy.types.Material) -> Portrait | None:
+    """The numbers of a material, None if it is not managed.
+
+    Files of earlier versions hold no spectrum of the sky and no measured range before an update.
+    """
+    managed = materials.managed(material)
+    if managed is None or "values" not in managed.extra:
+        return None
+    sky = (sky_light.description_of(managed.world) if managed.world else None) or {}
+    camera = "camera" in sky.get("settings", {})
+    return Portrait(
+        name=managed.reflectance_name,
+        reflectance=plain(managed.extra["values"]),
+        matrix=plain(managed.matrix),
+        spectrum=plain(sky.get("spectrum")),
+        measured=plain(managed.extra.get("measured")),
+        estimated=managed.reflectance_name == textures.ESTIMATED,
+        space=None if camera else sky.get("space", DEFAULT_SPACE),
+    )
+
+
+def expected() -> list[tuple[str, float, float]]:
+    """Of each managed material of the file its name and the expected CIEDE2000, the worst first.
+
+    Of RGB × RGB and of its own model; NaN where nothing can be predicted.
+    """
+    found = ((m.name, materials.managed(m)) for m in materials.managed_materials())
+    rows = [
+        (name, managed.extra["rgb_delta_E"], managed.extra["matrix_delta_E"])
+        for name, managed in found
+        if managed is not None and "rgb_delta_E" in managed.extra
+    ]
+    return sorted(rows, key=lambda row: math.inf if math.isnan(row[1]) else -row[1])
