@@ -56,7 +56,7 @@ def chunks(
         if chunk and (picture.blend != chunk[0].blend or len(chunk) >= size):
             yield chunk
             done, chunk = done + len(chunk), []
-        if not chunk and total is not None:
+        if not chunk and total is not None and workers > 1:
             size = max(1, min(size, -(-(total - done) // (2 * workers))))
         chunk.append(picture)
     if chunk:

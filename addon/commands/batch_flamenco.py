@@ -16,6 +16,9 @@ def add(steps: Any) -> None:
         "--manager", metavar="http://HOST:8080", help="send it there; default: print it as JSON"
     )
     parser.add_argument("--together", type=int, default=12, help="pictures of one task at most")
+    parser.add_argument(
+        "--workers", type=int, help="the farm's; default: those that the Manager knows, or 10"
+    )
     parser.add_argument("--priority", type=int, default=50)
     parser.add_argument(
         "--report", action="store_true", help="a worker that has this command writes the report"
@@ -28,11 +31,14 @@ def run(options: argparse.Namespace) -> None:
     from ..batch.flamenco import submit
     from ..errors import InputError
 
-    if options.together < 1:
-        raise InputError(
-            "--together", f"{options.together} is no number of pictures", "use 1 or more"
-        )
-    job = submit.job_of(options.plan, options.together, options.priority, options.report)
+    for option in ("together", "workers"):
+        if (number := getattr(options, option)) is not None and number < 1:
+            raise InputError(f"--{option}", f"{number} are none", "use 1 or more")
+    workers = options.workers or submit.WORKERS
+    if options.manager and options.workers is None:
+        workers = submit.workers_of(options.manager)
+    how = (options.together, workers, options.priority, options.report)
+    job = submit.job_of(options.plan, *how)
     if options.manager:
         print(submit.submit(options.manager, job))
         return

@@ -4,6 +4,7 @@ import pytest
 
 quickjs = pytest.importorskip("quickjs")
 
+from spectral_skylight.addon.batch.dispatch import chunks  # noqa: E402
 from spectral_skylight.addon.batch.flamenco.submit import picture_ranges  # noqa: E402
 from spectral_skylight.tests.batch import flamenco_manager as manager  # noqa: E402
 from spectral_skylight.tests.benchmarks.virtual_farm import Picture  # noqa: E402
@@ -99,13 +100,23 @@ def test_a_plan_of_100_000_pictures():
         ("aaaabbbbcccc", 2, "0-11/2"),
         ("aaaabbbbcccc", 3, "0-3/3,4-7/3,8-11/3"),
         ("aaabbcccc", 3, "0-4/3,5-8/3"),
-        ("a", 12, "0-0/12"),
+        ("a", 12, "0-0/1"),
     ],
 )
 def test_no_task_opens_two_files(blends, size, ranges):
-    """As `picture_ranges` writes the plan and the job type cuts it."""
+    """As `dispatch` cuts a plan, `picture_ranges` writes it and the job type reads it."""
     plan = [Picture(number, blend) for number, blend in enumerate(blends)]
-    assert picture_ranges(plan, size) == ranges
-    cut = [pictures(task) for task in manager.compile_job({"plan": PLAN, "pictures": ranges})]
-    assert [number for part in cut for number in part] == list(range(len(blends)))
-    assert all(len(part) <= size and len({blends[n] for n in part}) == 1 for part in cut)
+    cut = list(chunks(plan, size))
+    assert picture_ranges(cut) == ranges
+    tasks = manager.compile_job({"plan": PLAN, "pictures": ranges})
+    assert [list(pictures(task)) for task in tasks] == [[p.index for p in part] for part in cut]
+
+
+def test_tasks_shrink_towards_the_end_of_a_plan():
+    plan = [Picture(number, f"{number // 40}") for number in range(1440)]
+    cut = list(chunks(plan, 12, len(plan), workers=20))
+    ranges = picture_ranges(cut)
+    tasks = manager.compile_job({"plan": PLAN, "pictures": ranges})
+    assert [list(pictures(task)) for task in tasks] == [[p.index for p in part] for part in cut]
+    assert (len(cut[0]), len(cut[-1])) == (12, 1)
+    assert len(ranges) < 1000

@@ -17,6 +17,7 @@ psutil = pytest.importorskip("psutil")
 pytest.importorskip("quickjs")
 
 from spectral_skylight.addon.batch.flamenco import submit  # noqa: E402
+from spectral_skylight.addon.cli import main  # noqa: E402
 from spectral_skylight.addon.errors import InputError  # noqa: E402
 from spectral_skylight.tests.batch import flamenco_manager as manager  # noqa: E402
 from spectral_skylight.tests.batch.small_plan import copy_plan, files, small_plan  # noqa: E402
@@ -83,7 +84,7 @@ def plan(tmp_path_factory):
     return plan
 
 
-def test_a_submitted_plan_is_rendered(plan, blender, tmp_path):
+def test_a_submitted_plan_is_rendered(plan, blender, tmp_path, capsys):
     """The paths are the office's; two-way variables make them those of the workers."""
     there = copy_plan(plan, tmp_path / "there")
     (kind,) = ({**manager.job_type(), "name": submit.JOB_TYPE, "etag": "4711"},)
@@ -96,10 +97,12 @@ def test_a_submitted_plan_is_rendered(plan, blender, tmp_path):
     replies = {
         "/api/v3/jobs/type/spectral-skylight": lambda _: (200, kind),
         "/api/v3/jobs": made,
+        "/api/v3/worker-mgt/workers": lambda _: (200, {"workers": [{"status": "awake"}]}),
     }
     with answering(replies) as address:
-        page = submit.submit(address, submit.job_of(there, size=3))
-    assert page == f"{address}/app/jobs/d0e5"
+        send = ["batch", "flamenco", str(there), "--manager", address, "--together", "3"]
+        assert main(send) == 0
+    assert capsys.readouterr().out == f"{address}/app/jobs/d0e5\n"
     (job,) = jobs
     assert job["type_etag"] == "4711"
     required = {setting["key"] for setting in kind["settings"] if setting["required"]}
@@ -164,8 +167,8 @@ def test_what_a_manager_may_answer_is_said(plan, tmp_path):
     strange = {"/api/v3/jobs/type/spectral-skylight": lambda _: (200, [])}
     for replies, said in (
         ({}, "does not know the job type .*copy .*_skylight.js"),
-        (refusing, r"refuses the job \(pictures: no range\)"),
-        (elsewhere, "refuses the job .302"),
+        (refusing, r"refuses \(pictures: no range\)"),
+        (elsewhere, "refuses .302"),
         (strange, "is no Manager that answers"),
     ):
         with answering(replies) as address, pytest.raises(InputError, match=said):

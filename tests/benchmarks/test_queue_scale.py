@@ -29,10 +29,20 @@ def night(pictures=100_000, workers=WORKERS, dying=0.01, taper=True, seed=1, siz
     return farm, outcomes, ideal
 
 
-@pytest.mark.parametrize("orphan", (True, False), ids=("Blender goes on", "the machine is gone"))
-def test_a_night_in_which_one_in_a_hundred_dies(benchmark, capsys, orphan):
+FARMS = {
+    "Dask, Blender goes on": {"notice": 1},
+    "Dask, the machine is gone": {"notice": 300, "orphan": False},  # distributed's worker-ttl
+    # A worker that is silent for a minute is noticed a minute later at worst. Each task starts a
+    # Blender: 3 s, and 5 s between two tasks, in which the worker waits and asks.
+    "Flamenco, Blender goes on": {"notice": 120, "start": 8},
+    "Flamenco, the machine is gone": {"notice": 120, "start": 8, "orphan": False},
+}
+
+
+@pytest.mark.parametrize("kind", FARMS)
+def test_a_night_in_which_one_in_a_hundred_dies(benchmark, capsys, kind):
     broken = frozenset(range(7, 100_000, 20_000))
-    night_of = {"orphan": orphan, "broken": broken, "flaky": 1e-3}
+    night_of = {"broken": broken, "flaky": 1e-3, **FARMS[kind]}
     farm, outcomes, ideal = benchmark.pedantic(night, kwargs=night_of, rounds=1)
 
     # Each picture has one outcome; only what never renders is missing, after three tries.
@@ -46,15 +56,14 @@ def test_a_night_in_which_one_in_a_hundred_dies(benchmark, capsys, orphan):
     twice = int(np.sum(tries[list(farm.whole)] > 1))
     assert farm.lost < 10 * farm.seconds.max()
     # The night is over with its last pictures, not a chunk later.
-    assert farm.now < 1.05 * ideal
+    assert farm.now < 1.08 * ideal
     # And what waits is bounded by the workers, not by the plan.
     assert farm.most_away <= 2 * WORKERS
 
     with capsys.disabled():
         print(
-            f"\n{'Blender goes on' if orphan else 'machine gone'}: {farm.now / ideal:.3f} of the "
-            f"ideal night, {farm.lost:.0f} s lost of {farm.seconds.sum():.0f}, "
-            f"{twice} pictures rendered again, {len(broken)} given up"
+            f"\n{kind}: {farm.now / ideal:.3f} of the ideal night, {farm.lost:.0f} s lost of "
+            f"{farm.seconds.sum():.0f}, {twice} pictures rendered again, {len(broken)} given up"
         )
 
 

@@ -37,6 +37,7 @@ class VirtualFarm:
 
     `seconds` (pictures,) is what each takes; `deaths` maps a worker to the time of its end. Blender
     outlives its `orphan` worker until the picture under way is done, else the machine is gone.
+    `start` is what each chunk costs where it starts a Blender of its own, else 0.
     Pictures in `broken` fail whenever they are tried, others with the probability `flaky`.
     """
 
@@ -46,12 +47,13 @@ class VirtualFarm:
         workers: int,
         deaths: dict[int, float],
         notice: float = 60.0,
+        start: float = 0.0,
         orphan: bool = True,
         broken: frozenset[int] = frozenset(),
         flaky: float = 0.0,
         seed: int = 1,
     ) -> None:
-        self.seconds, self.notice, self.orphan = seconds, notice, orphan
+        self.seconds, self.notice, self.start, self.orphan = seconds, notice, start, orphan
         self.broken, self.flaky, self.rng = broken, flaky, np.random.default_rng(seed)
         self.workers = [Worker() for _ in range(workers)]
         self.idle = deque(range(workers))
@@ -98,11 +100,17 @@ class VirtualFarm:
             worker = self.workers[number := self.idle.popleft()]
             worker.chunk = self.waiting.popleft()
             worker.pictures = deque(worker.chunk)
-            self._next(number)
+            if self.start:
+                worker.blend = ""
+                self._at(self.now + self.start, self._next, number)
+            else:
+                self._next(number)
 
     def _next(self, number):
         """Begin the worker's next picture, or hand its chunk back."""
         worker = self.workers[number]
+        if not worker.alive:
+            return
         if not worker.pictures:
             self.finished_chunks.append(worker.chunk)
             worker.chunk = None

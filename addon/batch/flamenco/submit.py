@@ -6,16 +6,17 @@ that the user gives.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import platform
 import urllib.error
 import urllib.request
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from ...errors import InputError
-from ..dispatch import CHUNK, Picture
+from ..dispatch import CHUNK, Picture, chunks
 from ..plan import read_header, read_tasks
 from ..run import unprepared
 
@@ -25,22 +26,30 @@ SCRIPT = Path(__file__).with_name("spectral_skylight.js")
 JOB_TYPE = SCRIPT.stem.replace("_", "-")
 """As the Manager calls it, after the file."""
 
+WORKERS = 10
+"""Of a farm of which nothing is known."""
+
 
 def job_of(
-    plan: str | Path, size: int = CHUNK, priority: int = 50, report: bool = False
+    plan: str | Path,
+    size: int = CHUNK,
+    workers: int = WORKERS,
+    priority: int = 50,
+    report: bool = False,
 ) -> dict[str, Any]:
     """Return a plan as a job, what Flamenco's API calls a SubmittedJob.
 
     Paths are those of this machine: the Manager's two-way variables make them those of the
-    workers. ``size`` bounds the pictures of one task; ``report`` has a worker with this command
-    write the report in the end. Raises InputError for a file that is no plan or not prepared.
+    workers. ``size`` and ``workers`` decide how many pictures a task has, as in `dispatch.chunks`;
+    ``report`` has a worker with this command write the report in the end. Raises InputError for
+    a file that is no plan or not prepared.
     """
     plan = Path(plan).resolve()
     total = read_header(plan)["tasks"]
     if missing := unprepared(plan):
         cure = "batch plan STUDY.toml --prepare"
         raise InputError(plan, f"{missing} is not prepared", cure)
-    pictures = picture_ranges(read_tasks(plan), size)
+    pictures = picture_ranges(chunks(read_tasks(plan), size, total, workers))
     return {
         "name": f"{plan.parent.name}, {total} pictures",
         "type": JOB_TYPE,
@@ -51,16 +60,25 @@ def job_of(
     }
 
 
-def picture_ranges(pictures: Iterable[Picture], size: int) -> str:
-    """Return the ranges of a job, ``"0-79/12,80-99/12"``: no task needs two prepared files."""
-    ranges: list[list[int]] = []
-    blend = None
-    for picture in pictures:
-        new = not ranges or ranges[-1][1] != picture.index - 1
-        if new or (picture.blend != blend and (picture.index - ranges[-1][0]) % size):
-            ranges.append([picture.index, picture.index])
-        ranges[-1][1], blend = picture.index, picture.blend
-    return ",".join(f"{first}-{last}/{size}" for first, last in ranges)
+def picture_ranges(work: Iterable[Sequence[Picture]]) -> str:
+    """Return chunks as the job type reads them: ``"0-79/12,80-99/10"``, in twelves, then tens."""
+    ranges: list[tuple[int, int, int]] = []
+    for chunk in work:
+        first, last, size = chunk[0].index, chunk[-1].index, len(chunk)
+        if ranges:
+            start, end, pieces = ranges[-1]
+            if end + 1 == first and (first - start) % pieces == 0 and size <= pieces:
+                ranges[-1] = (start, last, pieces)
+                continue
+        ranges.append((first, last, size))
+    return ",".join(f"{first}-{last}/{size}" for first, last, size in ranges)
+
+
+def workers_of(manager: str) -> int:
+    """Return how many workers a Manager can hope for; raises InputError as `submit` does."""
+    with _answers(manager):
+        workers = _call(f"{_address(manager)}/api/v3/worker-mgt/workers")["workers"]
+        return max(1, sum(worker["status"] not in ("offline", "error") for worker in workers))
 
 
 def submit(manager: str, job: dict[str, Any]) -> str:
@@ -68,21 +86,32 @@ def submit(manager: str, job: dict[str, Any]) -> str:
 
     Raises InputError where nobody answers, the Manager lacks the job type or refuses the job.
     """
-    manager = manager.rstrip("/")
+    address = _address(manager)
+    with _answers(manager):
+        kind = _call(f"{address}/api/v3/jobs/type/{JOB_TYPE}")
+        made = _call(f"{address}/api/v3/jobs", {**job, "type_etag": kind["etag"]})
+        return f"{address}/app/jobs/{made['id']}"
+
+
+def _address(manager: str) -> str:
     if not manager.startswith(("http://", "https://")):
         raise InputError("--manager", f'"{manager}" is no address', "write http://HOST:8080")
+    return manager.rstrip("/")
+
+
+@contextlib.contextmanager
+def _answers(manager: str) -> Iterator[None]:
+    """Say in a line what is wrong with a Manager's answer."""
     try:
-        kind = _call(f"{manager}/api/v3/jobs/type/{JOB_TYPE}")
-        made = _call(f"{manager}/api/v3/jobs", {**job, "type_etag": kind["etag"]})
+        yield
     except urllib.error.HTTPError as error:
         if error.code == 404:
             cure = f'copy {SCRIPT} into the folder "scripts" beside flamenco-manager'
             raise InputError(manager, f"does not know the job type {JOB_TYPE}", cure) from None
-        raise InputError(manager, f"refuses the job ({_said(error)})", "see its log") from None
+        raise InputError(manager, f"refuses ({_said(error)})", "see its log") from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         reason = str(getattr(error, "reason", error))
         raise InputError(manager, f"is no Manager that answers ({reason})", "check it") from None
-    return f"{manager}/app/jobs/{made['id']}"
 
 
 class _NoRedirect(urllib.request.HTTPRedirectHandler):
