@@ -35,9 +35,9 @@ class Worker:
 class VirtualFarm:
     """A scheduler as Dask's or Flamenco's: a lost worker's chunk goes to another, once noticed.
 
-    `seconds` (pictures,) is what each takes; `deaths` maps a worker to the time of its end. Blender
-    outlives its `orphan` worker until the picture under way is done, else the machine is gone.
-    `start` is what each chunk costs where it starts a Blender of its own, else 0.
+    `seconds` (pictures,) is what each takes; `deaths` maps a worker to the time of its end. Its
+    Blender, an `orphan`, goes on until the end of the "picture" or "chunk" under way, or is gone as
+    well, "no". `start` is what each chunk costs where it starts a Blender of its own, else 0.
     Pictures in `broken` fail whenever they are tried, others with the probability `flaky`.
     """
 
@@ -48,7 +48,7 @@ class VirtualFarm:
         deaths: dict[int, float],
         notice: float = 60.0,
         start: float = 0.0,
-        orphan: bool = True,
+        orphan: str = "picture",
         broken: frozenset[int] = frozenset(),
         flaky: float = 0.0,
         seed: int = 1,
@@ -109,7 +109,7 @@ class VirtualFarm:
     def _next(self, number):
         """Begin the worker's next picture, or hand its chunk back."""
         worker = self.workers[number]
-        if not worker.alive:
+        if not worker.alive and (self.orphan != "chunk" or not worker.pictures):
             return
         if not worker.pictures:
             self.finished_chunks.append(worker.chunk)
@@ -128,7 +128,7 @@ class VirtualFarm:
         """A picture's end: moved into place, failed, or rendered for nobody."""
         number, picture, rendered = event
         worker = self.workers[number]
-        if not worker.alive and not self.orphan:
+        if not worker.alive and self.orphan == "no":
             return
         failed = rendered and (picture in self.broken or self.rng.random() < self.flaky)
         if rendered:
@@ -138,16 +138,15 @@ class VirtualFarm:
         elif not failed:
             self.lost += (self.now - worker.since) * (rendered and picture in self.whole)
             self.whole.add(picture)
-        if worker.alive:
-            worker.pictures.popleft()
-            self._next(number)
+        worker.pictures.popleft()
+        self._next(number)
 
     def _death(self, number):
         worker = self.workers[number]
         worker.alive = False
         if worker.chunk is None:
             self.idle.remove(number)
-        elif not self.orphan:
+        elif self.orphan == "no":
             self.lost += self.now - worker.since
         self._at(self.now + self.notice, self._noticed, number)
 
