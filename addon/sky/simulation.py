@@ -12,14 +12,15 @@ import sys
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from ..spectra import cache
 from ..spectra.grid import WAVELENGTHS
 from ..spectra.sunlight import extraterrestrial_sunlight
-from . import cache
 from .atmosphere import Atmosphere, Medium, medium
 from .phases import haze_phase, rayleigh_phase
 from .photons import ORDERS, follow
@@ -168,7 +169,7 @@ def simulate(
         "quality": asdict(quality),
         "seed": seed,
     }
-    path = cache.place("sky", content) if cached else None
+    path = cache.place("sky", content, Path(__file__).parent) if cached else None
     arrays = cache.load(path)
     if arrays is None:
         arrays = _simulate(sun_elevation, atmosphere, orders, quality, seed, progress)

@@ -95,14 +95,17 @@ def on_grid(
 
 def _alike(table: Table) -> list[tuple[NDArray[np.int64], Table]]:
     """Return the columns that have values at the same wavelengths, and their rows alone."""
-    everything = np.arange(len(table.names))
     if not table.sparse:
-        return [(everything, table)]
+        return [(np.arange(len(table.names)), table)]
     table = table.visible()
     has = np.isfinite(table.values)
-    patterns, which = np.unique(has, axis=1, return_inverse=True)
-    alike = ((np.flatnonzero(which.ravel() == k), patterns[:, k]) for k in range(patterns.shape[1]))
-    return [(columns, table.columns(columns).rows(rows)) for columns, rows in alike]
+    alike: dict[bytes, list[int]] = {}
+    for k, pattern in enumerate(np.packbits(has, axis=0).T):
+        alike.setdefault(pattern.tobytes(), []).append(k)
+    return [
+        (np.array(columns), table.columns(columns).rows(has[:, columns[0]]))
+        for columns in alike.values()
+    ]
 
 
 def _check_values(table: Table, values: NDArray, percent: NDArray) -> None:

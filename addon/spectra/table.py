@@ -122,6 +122,12 @@ def read_table(path: str | Path) -> Table:
         while names and not names[-1]:
             names.pop()
     else:
+        if any(cell and _number(cell, decimal_comma) is None for cell in cells[1:]):
+            raise NoSpectra(
+                f"{path}:{number}",
+                "is neither a header nor a row of numbers",
+                "begin with a header: wavelength_nm and a name for each column",
+            )
         names = [path.stem if len(cells) == 2 else f"{path.stem} {k}" for k in range(1, len(cells))]
     if not names:
         raise InputError(

@@ -5,28 +5,14 @@
 import bpy
 
 from ..errors import InputError
-from . import choice, operator, targets
+from . import operator, targets
 
-ENDINGS = tuple(
-    [
-        ".cgats",
-        ".cie",
-        ".csv",
-        ".cxf",
-        ".it8",
-        ".json",
-        ".mat",
-        ".sli",
-        ".sp",
-        ".ti3",
-        ".tsv",
-        ".txt",
-    ]
-)
+ENDINGS: tuple[str, ...] = (".cgats", ".cie", ".csv", ".cxf", ".it8", ".json", ".mat", ".sli")
+ENDINGS += (".sp", ".ti3", ".tsv", ".txt")
 """Endings of reflectance files; a test holds them to `spectra.formats`, which loads too much."""
 
 
-class SKYLIGHT_OT_choose_reflectance(choice.Fields, operator.Thin, bpy.types.Operator):
+class SKYLIGHT_OT_choose_reflectance(operator.Thin, bpy.types.Operator):
     """Choose the CSV with a material's measured reflectance; it shows once it is applied"""
 
     bl_idname = "skylight.choose_reflectance"
@@ -35,8 +21,8 @@ class SKYLIGHT_OT_choose_reflectance(choice.Fields, operator.Thin, bpy.types.Ope
     filepath: bpy.props.StringProperty(
         name="CSV", description="Wavelength in nm, then reflectances", subtype="FILE_PATH"
     )
-    kind: bpy.props.EnumProperty(
-        name="Measured", description="What the file holds", items=choice.KINDS
+    column: bpy.props.StringProperty(
+        name="Column", description="Empty: the only one, or the one named as the material"
     )
     material: bpy.props.StringProperty(name="Material", description="Empty: the active one")
     filter_glob: bpy.props.StringProperty(
@@ -48,18 +34,15 @@ class SKYLIGHT_OT_choose_reflectance(choice.Fields, operator.Thin, bpy.types.Ope
 
     def run(self, context):
         (material,), _ = targets.editable([targets.named(context, self.material)])
-        own = material.skylight
-        told = [name for name in choice.DETAILS if self.properties.is_property_set(name)]
-        names = own.read_names(self.filepath, self.kind if "kind" in told else own.kind)
+        choice = material.skylight
+        names = choice.read_names(self.filepath)
         if self.column and self.column not in names:
             some = ", ".join(f"'{name}'" for name in names[:8])
             raise InputError(self.filepath, f"no column '{self.column}'", f"there are {some}")
-        for name in told:
-            setattr(own, name, getattr(self, name))
-        own.filepath = self.filepath
+        choice.filepath = self.filepath
         if self.column:
-            own.column = self.column
-        chosen = f"column {own.column}" if own.column else "choose a column"
+            choice.column = self.column
+        chosen = f"column {choice.column}" if choice.column else "choose a column"
         return [("INFO", f"{material.name}: {len(names)} column(s), {chosen}")]
 
 

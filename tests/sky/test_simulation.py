@@ -1,14 +1,16 @@
 """Whole skies, all orders: against themselves, SPECTRL2 and daylight as it is measured."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.sky import cache
 from spectral_skylight.addon.sky.atmosphere import Atmosphere
 from spectral_skylight.addon.sky.clear_sky import picture
 from spectral_skylight.addon.sky.photons import ORDERS
 from spectral_skylight.addon.sky.simulation import PAPER, Quality, simulate
+from spectral_skylight.addon.spectra import cache
 from spectral_skylight.addon.spectra.bases import rayleigh
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.sensitivities import cmfs
@@ -190,7 +192,7 @@ def test_cache_answers_and_survives_damage(tmp_path, monkeypatch):
 
 def test_no_cache_when_there_is_to_be_none(monkeypatch):
     monkeypatch.setenv("SPECTRAL_SKYLIGHT_CACHE", "")
-    assert cache.place("sky", {}) is None
+    assert cache.place("sky", {}, Path()) is None
 
 
 def test_unwritable_cache_is_no_matter(tmp_path, monkeypatch):

@@ -33,13 +33,16 @@ def folder() -> Path | None:
     return base / "spectral-skylight"
 
 
-def place(kind: str, content: dict[str, Any]) -> Path | None:
-    """Return the file for a result: ``content`` is all that decides it, this room's code too."""
+def place(kind: str, content: dict[str, Any], code: Path) -> Path | None:
+    """Return the file for a result: ``content`` is all that decides it, and a folder of ``code``.
+
+    None where there is to be no cache.
+    """
     root = folder()
     if root is None:
         return None
     digest = hashlib.sha256(json.dumps(content, sort_keys=True, default=_plain).encode())
-    for source in sorted(Path(__file__).parent.glob("*.py")):
+    for source in sorted(code.rglob("*.py")):
         digest.update(source.read_bytes())
     return root / f"{kind}-{digest.hexdigest()[:32]}.npz"
 

@@ -1,0 +1,304 @@
+"""Libraries of reflectances: what folders of files hold, found again in a moment.
+
+A folder's index is derived and kept in the user's cache, by the size and the time of each file.
+Nothing of it lies in a blend file: there, a material has its own reflectance.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Generator, Iterable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from . import cache, formats
+from .illuminants import D65
+from .reflectance import read_all, reflectance_hash
+from .sensitivities import cmfs, observer
+from .table import NoSpectra
+
+ORDERS = ("name", "hue", "lightness", "source")
+
+NEUTRAL = 5.0
+"""Chroma in CIELAB under which a colour has no hue to sort by."""
+
+
+@dataclass(frozen=True)
+class Library:
+    """Reflectances of many files.
+
+    ``values`` (m, 81); of each: ``names``, by which its file knows it too, ``classes`` (what kind
+    of thing, or empty), ``sources`` (folder and file, for people), ``paths``. ``problems``: a line
+    for each file or spectrum that cannot be used. ``others``: how many files hold something else.
+    """
+
+    names: tuple[str, ...] = ()
+    classes: tuple[str, ...] = ()
+    sources: tuple[str, ...] = ()
+    paths: tuple[str, ...] = ()
+    values: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 81)))
+    problems: tuple[str, ...] = ()
+    others: int = 0
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __add__(self, other: Library) -> Library:
+        """Return both, the other's reflectances after these."""
+        return _joined([self, other])
+
+    def only(self, chosen: Sequence[int] | NDArray[np.int64]) -> Library:
+        """Return the reflectances of these numbers, in their order, with all problems."""
+        told = (self.names, self.classes, self.sources, self.paths)
+        return Library(
+            *(tuple(each[k] for k in chosen) for each in told),
+            values=self.values[np.asarray(chosen, dtype=int)],
+            problems=self.problems,
+            others=self.others,
+        )
+
+    @cached_property
+    def rgb(self) -> NDArray[np.float64]:
+        """Linear Rec.709 under D65, (m, 3), white (1, 1, 1); out-of-gamut values kept."""
+        S = observer() * D65()
+        return self.values @ S.T / S.sum(axis=1)
+
+    @cached_property
+    def Lab(self) -> NDArray[np.float64]:
+        """CIE L*a*b* under D65, 2° observer, (m, 3)."""
+        import colour
+
+        if not len(self):
+            return np.empty((0, 3))
+        S = cmfs() * D65()
+        white = S.sum(axis=1) / S[1].sum()
+        return colour.XYZ_to_Lab(self.values @ S.T / S[1].sum(), colour.XYZ_to_xy(white))
+
+    @cached_property
+    def hashes(self) -> tuple[str, ...]:
+        """The fingerprint of each reflectance, which managed materials keep."""
+        return tuple(reflectance_hash(values) for values in self.values)
+
+    @cached_property
+    def _texts(self) -> tuple[str, ...]:
+        told = zip(self.names, self.classes, self.sources, strict=True)
+        return tuple(" ".join(words).casefold() for words in told)
+
+    def search(self, text: str) -> NDArray[np.int64]:
+        """Return the numbers of those whose name, class or source holds every word of a text."""
+        words = text.casefold().split()
+        found = (k for k, told in enumerate(self._texts) if all(word in told for word in words))
+        return np.fromiter(found, dtype=np.int64)
+
+    def order(self, by: str) -> NDArray[np.int64]:
+        """Return all numbers, sorted by one of `ORDERS`; neutral colours come after all hues.
+
+        Raises `InputError` for another order.
+        """
+        if by not in ORDERS:
+            raise InputError("--sort", f"'{by}' is no order", f"choose one of {', '.join(ORDERS)}")
+        if by in ("name", "source"):
+            keys = self._texts if by == "name" else [source.casefold() for source in self.sources]
+            return np.array(sorted(range(len(self)), key=keys.__getitem__), dtype=int)
+        L, a, b = self.Lab.T
+        if by == "lightness":
+            return np.argsort(L, kind="stable")
+        neutral = np.hypot(a, b) < NEUTRAL
+        hue = np.where(neutral, L, np.degrees(np.arctan2(b, a)) % 360.0)
+        return np.lexsort((hue, neutral))
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far an index is, 0 to 1, and in which file."""
+
+    done: float
+    line: str
+
+
+def checkers() -> Library:
+    """Return the checkers that colour-science brings."""
+    names = formats.checkers.CHECKERS
+    paths = [formats.checkers.PREFIX + name for name in names]
+    return _joined(
+        [
+            _of_record(path, name, _record(Path(path)))
+            for path, name in zip(paths, names, strict=True)
+        ]
+    )
+
+
+def index(folders: Iterable[str | Path]) -> Generator[Progress, None, Library]:
+    """Read all files of reflectances under folders, yielding how far it is; return them.
+
+    A file that was read before and is as large and as old as then is not read again. A file that
+    cannot be read, and a folder that is not there, are told in ``problems``, a line each.
+    """
+    found = Library()
+    wanted = [Path(folder) for folder in folders]
+    for number, folder in enumerate(wanted):
+        for progress in (work := _Folder(folder)).read():
+            yield Progress((number + progress.done) / len(wanted), progress.line)
+        found += work.library
+    return found
+
+
+def whole(folders: Iterable[str | Path]) -> Library:
+    """Return what `index` returns, at one go."""
+    work = index(folders)
+    while True:
+        try:
+            next(work)
+        except StopIteration as end:
+            return end.value
+
+
+class _Folder:
+    """The index of one folder: what its cache has, brought up to date."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.library = Library()
+
+    def read(self) -> Generator[Progress, None, None]:
+        """Read what is new, yielding how far it is; `library` is there at the end."""
+        if not self.folder.is_dir():
+            line = f"{self.folder}: is no folder; choose it anew or take it off the list"
+            self.library = Library(problems=(line,))
+            return
+        place = cache.place(
+            "library", {"folder": str(self.folder.resolve())}, Path(__file__).parent
+        )
+        known = _unpacked(cache.load(place))
+        kept: dict[str, dict[str, Any]] = {}
+        parts: list[Library] = []
+        files = _files(self.folder)
+        changed = len(files) != len(known)
+        try:
+            for number, path in enumerate(files):
+                name = path.relative_to(self.folder).as_posix()
+                stamp = _stamp(path)
+                record = known.get(name)
+                if record is None or record["stamp"] != stamp:
+                    yield Progress(number / len(files), name)
+                    record, changed = {"stamp": stamp, **_record(path)}, True
+                kept[name] = record
+                parts.append(_of_record(str(path), f"{self.folder.name}/{name}", record))
+        except GeneratorExit:  # what was read so far is not read again next time
+            cache.save(place, _packed({**known, **kept}))
+            raise
+        if changed:
+            cache.save(place, _packed(kept))
+        self.library = _joined(parts)
+
+
+def _files(folder: Path) -> list[Path]:
+    """Return all files under a folder that reflectances may be in, hidden ones left out."""
+    found = []
+    for at, folders, names in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        found += [
+            Path(at, name)
+            for name in sorted(names)
+            if name.lower().endswith(formats.ENDINGS) and not name.startswith(".")
+        ]
+    return found
+
+
+def _stamp(path: Path) -> list[int]:
+    """Return sizes and times of a file and of those that reading it looks into."""
+    stamp = []
+    for each in (path, *formats.companions(path)):
+        try:
+            stat = each.stat()
+            stamp += [stat.st_size, stat.st_mtime_ns]
+        except OSError:
+            stamp += [-1, -1]
+    return stamp
+
+
+def _record(path: Path) -> dict[str, Any]:
+    """Return what is kept of a file: spectra, problems, whether it is about something else."""
+    record: dict[str, Any] = {"names": [], "classes": [], "values": np.empty((0, 81))}
+    try:
+        read = read_all(path)
+    except NoSpectra as error:
+        # A table that is none is a mistake; a text, a record or a matrix of other things is not.
+        broken = path.suffix.lower() in (".csv", ".tsv", ".sli")
+        return {**record, "problems": [str(error)] if broken else [], "other": not broken}
+    except InputError as error:
+        return {**record, "problems": [str(error)], "other": False}
+    except Exception as error:  # a damaged file must not cost the others, whatever it raises
+        line = f"{path}: cannot be read ({type(error).__name__}: {error}); take it anew"
+        return {**record, "problems": [" ".join(line.split())], "other": False}
+    classes = read.classes or ("",) * len(read.names)
+    return {
+        "names": list(read.names),
+        "classes": [str(kind) for kind in classes],
+        "values": read.values,
+        "problems": list(dict.fromkeys(str(error) for error in read.problems.values())),
+        "other": False,
+    }
+
+
+def _packed(records: dict[str, dict[str, Any]]) -> dict[str, NDArray]:
+    """Return records as arrays: the text as JSON, the numbers one below the other."""
+    text = {
+        name: {key: value for key, value in record.items() if key != "values"}
+        for name, record in records.items()
+    }
+    values = [record["values"] for record in records.values()]
+    return {
+        "text": np.frombuffer(json.dumps(text).encode(), np.uint8),
+        "values": np.concatenate([np.empty((0, 81)), *values]),
+    }
+
+
+def _unpacked(arrays: dict[str, NDArray] | None) -> dict[str, dict[str, Any]]:
+    """Return what `_packed` took, nothing where it is damaged."""
+    if arrays is None:
+        return {}
+    try:
+        records = json.loads(arrays["text"].tobytes().decode())
+        ends = np.cumsum([len(record["names"]) for record in records.values()])
+        parts = np.split(arrays["values"], ends[:-1])
+        return {
+            name: {**record, "values": part}
+            for (name, record), part in zip(records.items(), parts, strict=True)
+        }
+    except (KeyError, ValueError, TypeError, AttributeError):
+        return {}
+
+
+def _of_record(path: str, source: str, record: dict[str, Any]) -> Library:
+    count = len(record["names"])
+    return Library(
+        names=tuple(record["names"]),
+        classes=tuple(record["classes"]),
+        sources=(source,) * count,
+        paths=(path,) * count,
+        values=record["values"],
+        problems=tuple(record["problems"]),
+        others=int(record["other"]),
+    )
+
+
+def _joined(parts: Sequence[Library]) -> Library:
+    """Return many libraries as one; adding them up one by one would copy all each time."""
+
+    def all_of(key: str) -> tuple[str, ...]:
+        return tuple(word for part in parts for word in getattr(part, key))
+
+    return Library(
+        *(all_of(key) for key in ("names", "classes", "sources", "paths")),
+        values=np.concatenate([np.empty((0, 81)), *(part.values for part in parts)]),
+        problems=all_of("problems"),
+        others=sum(part.others for part in parts),
+    )
