@@ -10,7 +10,18 @@ import sys
 from collections.abc import Sequence
 from typing import NoReturn
 
-from .commands import apply, batch, chart, evaluate, irradiance, matrix, picture, render, sky
+from .commands import (
+    apply,
+    batch,
+    chart,
+    evaluate,
+    irradiance,
+    library,
+    matrix,
+    picture,
+    render,
+    sky,
+)
 from .errors import InputError
 
 
@@ -47,6 +58,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="spectral-skylight", description="Spectrally correct colours under skies."
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    for command in (matrix, sky, irradiance, picture, apply, render, evaluate, chart, batch):
+    of_numbers = (matrix, library, sky, irradiance, picture, evaluate, chart)
+    for command in (*of_numbers, apply, render, batch):
         command.add(commands)
     return parser

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Generator, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,7 +21,7 @@ from ..errors import InputError
 from . import cache, formats
 from .illuminants import D65
 from .reflectance import read_all, reflectance_hash
-from .sensitivities import cmfs, observer
+from .sensitivities import cmfs
 from .table import NoSpectra
 
 ORDERS = ("name", "hue", "lightness", "source")
@@ -56,19 +56,18 @@ class Library:
 
     def only(self, chosen: Sequence[int] | NDArray[np.int64]) -> Library:
         """Return the reflectances of these numbers, in their order, with all problems."""
-        told = (self.names, self.classes, self.sources, self.paths)
-        return Library(
-            *(tuple(each[k] for k in chosen) for each in told),
-            values=self.values[np.asarray(chosen, dtype=int)],
-            problems=self.problems,
-            others=self.others,
-        )
 
-    @cached_property
-    def rgb(self) -> NDArray[np.float64]:
-        """Linear Rec.709 under D65, (m, 3), white (1, 1, 1); out-of-gamut values kept."""
-        S = observer() * D65()
-        return self.values @ S.T / S.sum(axis=1)
+        def some(told: tuple[str, ...]) -> tuple[str, ...]:
+            return tuple(told[k] for k in chosen)
+
+        return replace(
+            self,
+            names=some(self.names),
+            classes=some(self.classes),
+            sources=some(self.sources),
+            paths=some(self.paths),
+            values=self.values[np.asarray(chosen, dtype=int)],
+        )
 
     @cached_property
     def Lab(self) -> NDArray[np.float64]:
@@ -297,7 +296,10 @@ def _joined(parts: Sequence[Library]) -> Library:
         return tuple(word for part in parts for word in getattr(part, key))
 
     return Library(
-        *(all_of(key) for key in ("names", "classes", "sources", "paths")),
+        names=all_of("names"),
+        classes=all_of("classes"),
+        sources=all_of("sources"),
+        paths=all_of("paths"),
         values=np.concatenate([np.empty((0, 81)), *(part.values for part in parts)]),
         problems=all_of("problems"),
         others=sum(part.others for part in parts),

@@ -1,0 +1,126 @@
+"""`library`: what folders of reflectance files hold, to search, sort and look at."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from typing import Any
+
+from ..errors import InputError
+from .under_sky import add_sky_options, choose
+
+TOLD = 20
+"""Problems that are told without being asked: a published library has hundreds in infrared."""
+
+
+def add(commands: Any) -> None:
+    """Add the command to those of the parser."""
+    parser = commands.add_parser("library", help="list, search and draw reflectances in folders")
+    parser.add_argument(
+        "folders", nargs="*", metavar="FOLDER", help="none: the colour checkers that are built in"
+    )
+    parser.add_argument(
+        "--search", default="", metavar="TEXT", help="only those with all words in name or source"
+    )
+    parser.add_argument("--sort", default="name", metavar="name|hue|lightness|source")
+    parser.add_argument("--sheet", metavar="PICTURE.png", help="draw swatches of what was found")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_sky_options(parser)
+    parser.set_defaults(run=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print what is in the folders, and what of it cannot be used."""
+    import numpy as np
+
+    from ..spectra import library
+    from ..spectra.working_spaces import rec709_to_working
+    from ..transfer.prediction import rgb_albedo
+    from ..transfer.swatches import under_sky
+
+    whole = _index(options.folders) if options.folders else library.checkers()
+    wanted = set(whole.search(options.search))
+    found = whole.only([k for k in whole.order(options.sort) if k in wanted])
+    under, notes = None, []
+    if options.sky is not None or options.sky_rgb is not None:
+        sky = choose(options, np.empty((0, 81)))
+        under, notes = under_sky(sky.choice.transfer, found.values, sky.lights[0]), sky.notes
+    if options.sheet is not None:
+        to_rec709 = np.linalg.inv(rec709_to_working(options.space))
+        _draw(options.sheet, found, None if under is None else under @ to_rec709.T)
+    if options.json:
+        record = {
+            "spectra": _records(found, rgb_albedo(found.values, options.space), under),
+            "problems": list(found.problems),
+            "others": found.others,
+            "sky": options.sky,
+            "space": options.space,
+            "notes": notes,
+        }
+        print(json.dumps(record, indent=1, allow_nan=False))
+        return
+    for path, name, kind, Lab in zip(
+        found.paths, found.names, found.classes, found.Lab, strict=True
+    ):
+        L, a, b = Lab
+        kind = f"  {kind}" if kind else ""
+        print(f"{L:6.1f} {a:6.1f} {b:6.1f}  {path}:{name}{kind}")
+    for problem in found.problems[:TOLD]:
+        print(problem, file=sys.stderr)
+    others = f", {found.others} files hold something else" if found.others else ""
+    unused = f", {len(found.problems)} cannot be used" if found.problems else ""
+    unused += " (--json tells all)" if len(found.problems) > TOLD else ""
+    print(f"{len(found)} of {len(whole)} spectra{unused}{others}", file=sys.stderr)
+
+
+def _index(folders: list[str]) -> Any:
+    """Read folders with a progress bar."""
+    from tqdm import tqdm
+
+    from ..spectra import library
+
+    work = library.index(folders)
+    form = "{desc:<50.50} {bar:20} {elapsed}"
+    with tqdm(total=1.0, file=sys.stderr, bar_format=form, leave=False, delay=0.5) as bar:
+        while True:
+            try:
+                progress = next(work)
+            except StopIteration as end:
+                return end.value
+            bar.set_description_str(f"read {progress.line}", refresh=False)
+            bar.update(progress.done - bar.n)
+
+
+def _records(found: Any, d65: Any, under: Any) -> list[dict[str, Any]]:
+    """Return what is known of each reflectance, ready for JSON."""
+    records = [
+        {
+            "name": found.names[k],
+            "class": found.classes[k],
+            "source": found.sources[k],
+            "file": found.paths[k],
+            "Lab": found.Lab[k].tolist(),
+            "rgb_d65": d65[k].tolist(),
+            "hash": found.hashes[k],
+        }
+        for k in range(len(found))
+    ]
+    for record, rgb in zip(records, () if under is None else under, strict=False):
+        record["rgb_sky"] = rgb.tolist()
+    return records
+
+
+def _draw(path: str, found: Any, under: Any) -> None:
+    """Write the sheet of swatches, as many as one holds."""
+    from ..pictures.png_file import write_png
+    from ..pictures.swatches import MOST, swatches
+    from ..transfer.prediction import rgb_albedo
+
+    if not len(found):
+        raise InputError("--search", "finds nothing to draw", "use fewer words")
+    if len(found) > MOST:
+        print(f"{path}: the first {MOST} of {len(found)}", file=sys.stderr)
+    shown = found.only(range(min(len(found), MOST)))
+    left = None if under is None else under[: len(shown)]
+    write_png(path, swatches(shown.names, left, rgb_albedo(shown.values)))
