@@ -23,6 +23,8 @@ from .ui import (
     properties,
     remove,
     update,
+    view,
+    watch,
     wheels,
 )
 
@@ -35,6 +37,7 @@ MODULES = (
     update,
     bake,
     remove,
+    view,
     wheels,
     panels,
     material_panel,
@@ -52,6 +55,8 @@ def register() -> None:
             _undo.append(partial(bpy.utils.unregister_class, cls))
         properties.attach()
         _undo.append(properties.detach)
+        watch.attach()
+        _undo.append(watch.detach)
         command = bpy.utils.register_cli_command("skylight", _command)
         _undo.append(partial(bpy.utils.unregister_cli_command, command))
     except Exception:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..spectra.formats.igsdb import TRANSMITTANCE
-from ..spectra.reflectance import column_of, read_reflectances
+from ..spectra.reflectance import column_of, read_reflectances, reflectance_hash
 from ..spectra.refraction import read_nk
 from ..transfer.metals import conductor
 
@@ -35,6 +35,11 @@ class Given:
     faces: int = 0
     measured: tuple[float, float] | None = None
     notes: tuple[str, ...] = ()
+
+    @property
+    def hash(self) -> str:
+        """What a material keeps of it, to tell it from others."""
+        return reflectance_hash(self.values)
 
     @property
     def column(self) -> str:

@@ -16,10 +16,11 @@ from ..sky.harmonics import fit_sky
 from ..sky.irradiance import fit_coefficients
 from ..sky.light import SkyLight
 from ..sky.polynomial import HIGHEST_DEGREE, evaluate_polynomial, raised
+from ..spectra.working_spaces import XYZ_to_working
 from ..transfer.ground import GroundLight, ground_light, is_grey, split
 from ..transfer.matrices import Transfer
 from ..transfer.prefilter import balanced_rgb, prefiltered
-from . import bake, dome_lamps, receivers, sky_light, sun_lamp
+from . import bake, dome_lamps, receivers, sky_light, sun_lamp, view
 from . import lamps as own_lamps
 from . import world as worlds
 from .lamps import Lamps
@@ -89,6 +90,23 @@ class Lights:
             return shadows.replace("no shadows yet", "no shadows but the sun's yet")
         share = f"{100 * self.light.sun_share:.0f} % of this sky's light"
         return f"{shadows}; the sun ({share}) is not on your materials"
+
+    def level(self, towards_sun: NDArray[np.float64] | None) -> NDArray[np.float64]:
+        """Return the RGB of a white, level face in the open, (3,), sun and sky, as materials are.
+
+        ``towards_sun`` (3,): where the sun stands in the world, None without one that shines.
+        """
+        white = self.transfer.to_working @ self.light.faces[0]
+        if self.sun is not None and towards_sun is not None:
+            sun = balanced_rgb(self.sun.spectrum, self.transfer)
+            white = white + max(0.0, float(towards_sun[2])) * sun
+        return white
+
+    @property
+    def white_luminance(self) -> float:
+        """The luminance of a white, level face in the open under the sky alone."""
+        to_Y = np.linalg.inv(XYZ_to_working(self.transfer.space))[1]
+        return float(to_Y @ self.transfer.to_working @ self.light.faces[0])
 
     def bounced(self, name: str, rho: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
         """Return what a material (81,) makes of light by way of its neighbours.
@@ -249,6 +267,7 @@ def remove(world: bpy.types.World) -> None:
     parts = (sun_lamp.SUN, own_lamps.TWIN, dome_lamps.DOME, sun_lamp.TURN)
     for scene in scenes_of(world):
         sun_lamp.remove(scene, parts)
+        view.give_back(scene)
     sun_lamp.release_threshold(world)
 
 

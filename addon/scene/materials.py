@@ -109,7 +109,7 @@ def look_of(material: bpy.types.Material) -> look.Look:
     """What a material looks like without us; to be used at once, for it holds nodes."""
     outputs = outputs_of(material)
     if not outputs:
-        return look.Look(None, rgb=tuple(material.diffuse_color)[:3])
+        return look.Look(None, rgb=owned.viewport_colour(material)[:3])
     return look.read(source_before(material.node_tree, outputs[0]))
 
 

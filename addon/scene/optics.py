@@ -12,14 +12,15 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...node_groups import glazing
+from ...node_groups import glazing, gloss
 from ...node_groups import tree as groups
 from ..errors import InputError
 from ..sky.light import SkyLight
+from ..spectra.illuminants import D65
 from ..transfer.matrices import Transfer
 from ..transfer.metals import tints
 from ..transfer.prefilter import prefiltered
-from . import follow, look, materials, nodes, owned, sun_lamp
+from . import before, follow, look, materials, nodes, owned, sun_lamp
 
 PANES = "spectral_skylight_panes"  # on the collection that lamps pass through
 
@@ -100,10 +101,16 @@ def refresh(scenes: Iterable[bpy.types.Scene], light: SkyLight, transfer: Transf
     for material in bpy.data.materials:
         if (metal := metal_of(material)) is not None:
             look.set_metal(material, *tints(*metal, sky, transfer.space))
+            plain = zip(gloss.METAL_COLOURS, tints(*metal, D65(), transfer.space), strict=True)
+            before.keep(material, {("gloss", name): (*rgb, 1.0) for name, rgb in plain})
         elif (node := pane_node(material)) is not None:
             tau = np.array(material[nodes.MANAGED]["values"])
-            tint = np.clip(prefiltered(tau, sky, transfer.space), 0.0, 1.0)
-            node.inputs["Transmittance"].default_value = (*tint.tolist(), 1.0)
+            tint, plain_tint = (
+                (*np.clip(prefiltered(tau, spectrum, transfer.space), 0.0, 1.0).tolist(), 1.0)
+                for spectrum in (sky, D65())
+            )
+            node.inputs["Transmittance"].default_value = tint
+            before.keep(material, {("glass", "Transmittance"): plain_tint})
     return [line for scene in scenes for line in pass_through(scene)]
 
 

@@ -6,7 +6,7 @@ light reaches others by chance as well, and with less noise, see `tests/scene/te
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 import bpy
@@ -14,6 +14,9 @@ import bpy
 KEPT = "spectral_skylight_kept"  # on the material: what its settings were
 UNSET = ""  # it was Blender's default
 METAL = "spectral_skylight_metal"  # on the material: n and k of its metal
+COLOUR = "spectral_skylight_colour"  # on the material: its viewport colour before us, and ours
+OTHER = "spectral_skylight_other"  # on the material: values that do not show now, see `before`
+BEFORE = "spectral_skylight_before"  # on one that shows RGB times RGB now
 SURFACE = {"cycles.emission_sampling": "NONE"}
 """What a managed material needs."""
 GLASS = {"surface_render_method": "BLENDED", "use_transparent_shadow": True}
@@ -29,6 +32,20 @@ def own(material: bpy.types.Material, settings: dict[str, Any] = SURFACE) -> Non
     material[KEPT] = kept
 
 
+def show_colour(material: bpy.types.Material, rgb: Iterable[float]) -> None:
+    """Give a material another viewport colour, RGB, which Solid mode shows."""
+    before = viewport_colour(material)
+    material.diffuse_color = (*rgb, before[3])
+    material[COLOUR] = [*before, *material.diffuse_color]
+
+
+def viewport_colour(material: bpy.types.Material) -> tuple[float, float, float, float]:
+    """The viewport colour, RGBA, that a material has of its own: a user's since, or that before."""
+    now = tuple(material.diffuse_color)
+    kept = tuple(material.get(COLOUR, ()))
+    return kept[:4] if kept[4:] == now else now  # type: ignore[return-value]
+
+
 def give_back(material: bpy.types.Material) -> None:
     """Give a material its settings back; one that a user has changed meanwhile stays.
 
@@ -40,7 +57,8 @@ def give_back(material: bpy.types.Material) -> None:
             owner.property_unset(name)
             if kept[path] != UNSET:
                 setattr(owner, name, kept[path])
-    for key in (KEPT, METAL):
+    material.diffuse_color = viewport_colour(material)
+    for key in (KEPT, METAL, COLOUR, OTHER, BEFORE):
         if key in material:
             del material[key]
 

@@ -22,7 +22,20 @@ from ..spectra.working_spaces import rec709_to_working
 from ..transfer.choice import doubt, lowest_degree, sky_line, visibility_line
 from ..transfer.matrices import Transfer
 from ..transfer.white import AUTO, estimate_white, settle_white
-from . import bounce, lights, materials, openness, optics, sky_light, surrounding_lights, textures
+from . import (
+    before,
+    bounce,
+    lights,
+    materials,
+    openness,
+    optics,
+    owned,
+    sky_light,
+    surrounding_lights,
+    swatch,
+    textures,
+    view,
+)
 from . import world as worlds
 from .bake import Progress, run
 from .settings import Settings, store
@@ -125,6 +138,8 @@ def making_spectral(
     given = {material: rho for material, (_, rho) in reflectances.items()}
     found = surrounding_lights.find(world, light, choice.transfer, settings, given)
     yield Progress(0.0, "the sky")
+    before.show(False)
+    sun = surrounding_lights.towards_sun(world, light, settings)
     store(world, _plain(settings))
     lights.install(world, found)
     description = {
@@ -135,10 +150,12 @@ def making_spectral(
         "image": worlds.sky_of(world).image.name,
         "model": model,
         "spectrum": _restored(light, choice.transfer),
+        "level": found.level(sun).tolist(),
     }
     prediction = choice.prediction
     assert prediction is not None
     results = []
+    white = found.white_luminance
     reflected = found.reflected(values)
     textured = {
         material: varied
@@ -171,6 +188,10 @@ def making_spectral(
                     "unknown": prediction.unknown,
                     "values": rho.tolist(),
                     "measured": (measured or {}).get(material) or _measured(material, rho),
+                    "source": textures.source(material)
+                    if material in textured or name == textures.ESTIMATED
+                    else None,
+                    "white": white,
                 },
                 reflected={
                     **{name: rgb[k] for name, rgb in reflected.items()},
@@ -183,16 +204,21 @@ def making_spectral(
                 optics.keep_metal(material, *metal)
             if material in textured:
                 materials.set_texture(material, textures.values(found, textured[material]))
+            owned.show_colour(material, swatch.shown(result.colour, white))
+            before.keep(material, before.surface(found, material.name_full, rho))
+            if material in textured:
+                before.keep(material, before.texture(found, textured[material]))
             results.append(result)
             yield Progress((k + 1) / len(reflectances), material.name)
         for material, pane in (glazings or {}).items():
             optics.glaze(material, *pane)
     finally:
         warned = _relight(world, found, list(reflectances)[: len(results)])
-        sun = surrounding_lights.towards_sun(world, light, settings)
         if found.features.bounce and bounce.is_stale(sun):
             warned.append("the sun has moved since its bounce was baked: bake again")
         warned += optics.refresh(lights.scenes_of(world), light, choice.transfer)
+        for scene in lights.scenes_of(world):
+            warned += view.refresh(scene, description["level"])
         sky_light.describe(world, {**description, "lights": [*found.lines, *warned]})
     return light, results
 

@@ -87,6 +87,31 @@ def of_scene(scene: bpy.types.Scene):
     return chosen
 
 
+def changed_files(materials) -> tuple[dict[bpy.types.Material, str], list[str]]:
+    """Of which materials the file on disk is no longer what they were given; lines on lost ones.
+
+    What was chosen anew and not applied yet is no change of the file.
+    """
+    from ..scene import given
+    from ..scene import materials as managing
+
+    changed, lost = {}, []
+    for material in materials:
+        own, managed = material.skylight, managing.managed(material)
+        if managed is None or not own.filepath or own.kind != given.REFLECTANCE:
+            continue
+        if managed.reflectance_name.partition(given.BEHIND)[0] != own.column:
+            continue
+        try:
+            found = read(own, material)
+        except InputError as error:
+            lost.append(f"{material.name} keeps its reflectance, but {error}")
+        else:
+            if found.hash != managed.reflectance_hash:
+                changed[material] = f"{bpy.path.basename(own.filepath)} has changed: apply it anew"
+    return changed, lost
+
+
 def keep(own, choice, name: str) -> None:
     """Keep with a material what an operator was given for it; ``name``: of the column read."""
     for field in DETAILS:

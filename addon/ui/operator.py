@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 
 from ..errors import InputError
-from . import wheels
+from . import watch, wheels
 
 
 class Thin:
@@ -42,6 +42,7 @@ class Thin:
         except InputError as error:
             self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
             return {"CANCELLED"}
+        watch.after(context)
         for level, line in lines:
             self.report({level}, line)  # type: ignore[attr-defined]
         return {"FINISHED"}
@@ -131,6 +132,7 @@ class Long(Thin):
             lines = self.finish(context, done)
         except InputError as error:
             lines = [("ERROR", str(error))]
+        watch.after(context)
         for level, line in lines:
             self.report({level}, line)  # type: ignore[attr-defined]
         return {"FINISHED"}

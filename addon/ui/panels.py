@@ -5,7 +5,7 @@ Sky · Materials · Result. What is rarely needed stands in a closed panel under
 
 import bpy
 
-from . import material_panel, readout, targets, wheels
+from . import material_panel, readout, result, targets, wheels
 
 
 class Sidebar:
@@ -47,7 +47,7 @@ class SKYLIGHT_PT_main(Sidebar, bpy.types.Panel):
         if wheels.missing():
             wheels.draw(layout, context)
             return
-        readout.summary(layout, context)
+        result.summary(layout, context)
 
 
 class SKYLIGHT_PT_sky(Child, bpy.types.Panel):
@@ -116,7 +116,7 @@ class SKYLIGHT_PT_materials(Child, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("skylight.update", icon="FILE_REFRESH")
         row.operator("skylight.remove_all", text="Remove All", icon="X")
-        readout.problems(layout, context)
+        result.problems(layout, context)
 
 
 class SKYLIGHT_PT_material(Child, bpy.types.Panel):
@@ -145,10 +145,10 @@ class SKYLIGHT_PT_left(Child, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return not wheels.missing() and bool(readout.left_alone(context))
+        return not wheels.missing() and bool(result.left_alone(context))
 
     def draw(self, context):
-        readout.left(self.layout, context)
+        result.left(self.layout, context)
 
 
 class SKYLIGHT_PT_exactness(OfWorld, bpy.types.Panel):
@@ -175,7 +175,13 @@ class SKYLIGHT_PT_result(Child, bpy.types.Panel):
     bl_order = 30
 
     def draw(self, context):
-        readout.result(self.layout, context)
+        layout = self.layout
+        column = layout.column(align=True)
+        column.scale_y = 1.2
+        column.operator("skylight.show_in_viewport", icon="SHADING_RENDERED")
+        result.before_after(column)
+        result.view(layout, context)
+        result.caption(layout, context)
 
 
 class SKYLIGHT_PT_all(Child, bpy.types.Panel):
@@ -186,7 +192,7 @@ class SKYLIGHT_PT_all(Child, bpy.types.Panel):
     bl_order = 32
 
     def draw(self, context):
-        readout.table(self.layout)
+        result.table(self.layout)
 
 
 CLASSES = (

@@ -51,24 +51,26 @@ def _file_changed(self, context) -> None:
 
 
 def _swatch(self) -> tuple[float, ...]:
-    colour = _colour(self.id_data)
-    return tuple(max(0.0, part) / _over(colour) for part in colour)
+    from ..scene import swatch
+
+    return swatch.shown(*_colour(self.id_data))
 
 
 def _swatch_scale(self) -> float:
-    return 1.0 / _over(_colour(self.id_data))
+    from ..scene import swatch
+
+    colour, white = _colour(self.id_data)
+    return swatch.scale(colour, white) * (white or 1.0)
 
 
-def _colour(material) -> tuple[float, ...]:
+def _colour(material) -> tuple[tuple[float, ...], float]:
+    """A material's colour under its sky, and the luminance of white there."""
     from ..scene import materials
 
     managed = materials.managed(material)
-    return tuple(managed.extra.get("colour", (0.0,) * 3)) if managed else (0.0,) * 3
-
-
-def _over(colour) -> float:
-    """By how much the brightest part of a colour exceeds what a swatch can show."""
-    return max(1.0, *colour)
+    if managed is None:
+        return (0.0,) * 3, 1.0
+    return tuple(managed.extra.get("colour", (0.0,) * 3)), managed.extra.get("white", 1.0)
 
 
 class SkylightColumn(bpy.types.PropertyGroup):
@@ -91,7 +93,7 @@ class SkylightReflectance(choice.Fields, bpy.types.PropertyGroup):
     problem: bpy.props.StringProperty(description="Why the file cannot be read")
     swatch: bpy.props.FloatVectorProperty(
         name="Under This Sky",
-        description="The material's colour on level ground under this sky (linear, scene-referred)",
+        description="The material's colour on level ground under this sky; white there is 1",
         subtype="COLOR",
         get=_swatch,
         set=lambda self, value: None,  # Blender draws a read-only colour dimmed: another colour

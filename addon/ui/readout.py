@@ -9,9 +9,7 @@ from typing import Any
 import bpy
 
 from ..errors import InputError
-
-ROWS = 50
-"""Materials that the table shows: a panel is drawn anew whenever the mouse moves over it."""
+from . import watch
 
 CHARACTER = 5.6
 """Mean width of a character [pixels at scale 1]: Blender does not wrap text by itself."""
@@ -81,15 +79,25 @@ def material(
     layout: bpy.types.UILayout, context: bpy.types.Context, shown: bpy.types.Material
 ) -> None:
     """What a material was given, its colour and how far off it would be; nothing if unmanaged."""
-    from ..scene import materials
+    from ..scene import given, materials, optics, owned, textures
 
     managed = materials.managed(shown)
     if managed is None:
+        pane = optics.pane_node(shown)
+        if pane is not None:
+            name = optics.pane_of(shown)[0]
+            layout.box().label(text=f"Glass: {name}", icon="CHECKMARK")
         return
     box = layout.box()
-    box.label(text=managed.reflectance_name, icon="CHECKMARK")
+    known = managed.reflectance_name != textures.ESTIMATED
+    box.label(text=managed.reflectance_name, icon="CHECKMARK" if known else "QUESTION")
+    if why := watch.stale(shown):
+        paragraph(box, context, why, "ERROR")
+    if owned.BEFORE in shown:
+        paragraph(box, context, "shows RGB × RGB now", "ERROR")
     choice = shown.skylight
-    if choice.column and choice.column != managed.reflectance_name:
+    applied = managed.reflectance_name.partition(given.BEHIND)[0]
+    if choice.column and choice.kind == given.REFLECTANCE and choice.column != applied:
         paragraph(box, context, f"{choice.column} is chosen but not applied yet", "ERROR")
     box.prop(choice, "swatch")
     if choice.swatch_scale < 1.0:
@@ -114,69 +122,3 @@ def sentences(found: dict[str, Any]) -> list[str]:
     if found["out_of_gamut"]:
         lines.append("out of gamut: Blender clamps it")
     return lines
-
-
-def summary(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """How many materials are spectral, in one line."""
-    from ..scene import materials, textures
-
-    found = [materials.managed(material) for material in materials.managed_materials()]
-    if not found:
-        layout.label(text="No material is spectral yet", icon="INFO")
-        return
-    guessed = sum(m is not None and m.reflectance_name == textures.ESTIMATED for m in found)
-    layout.label(
-        text=f"{len(found)} spectral: {len(found) - guessed} measured, {guessed} estimated"
-    )
-
-
-def problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """What needs the person: nothing where all is well."""
-
-
-def left_alone(context: bpy.types.Context) -> list[tuple[str, str]]:
-    """Names of the scene's materials that one click left alone, and why."""
-    from ..scene import everything
-
-    return everything.left_alone(context.scene)
-
-
-def left(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """A row for each material that one click left alone."""
-    found = left_alone(context)
-    for name, why in found[:ROWS]:
-        paragraph(layout, context, f"{name}: {why}")
-    if len(found) > ROWS:
-        layout.label(text=f"and {len(found) - ROWS} more")
-
-
-def result(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """What light is in the picture."""
-    from ..scene import sky_light
-
-    found = sky_light.description_of(context.scene.world)
-    if found is None:
-        layout.label(text="Nothing is spectral under this sky yet")
-        return
-    for sentence in found["caption"].split("; "):
-        paragraph(layout, context, sentence, "INFO")
-
-
-def table(layout: bpy.types.UILayout) -> None:
-    """A row for each spectral material of the file."""
-    from ..scene import materials
-
-    found = materials.managed_materials()
-    if not found:
-        layout.label(text="No material is spectral yet")
-    column = layout.column(align=True)
-    for shown in found[:ROWS]:
-        managed = materials.managed(shown)
-        assert managed is not None
-        row = column.row()
-        row.prop(shown.skylight, "swatch", text="")
-        row.label(text=f"{shown.name}: {managed.reflectance_name}")
-        clamped = ", clamped" if managed.extra["out_of_gamut"] else ""
-        row.label(text=f"ΔE {managed.extra['rgb_delta_E']:.1f}{clamped}")
-    if len(found) > ROWS:
-        layout.label(text=f"and {len(found) - ROWS} more")

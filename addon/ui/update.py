@@ -2,11 +2,12 @@
 
 import bpy
 
-from . import operator, properties, targets
+from . import choice, operator, properties, targets, watch
 
 
 class SKYLIGHT_OT_update(operator.Thin, bpy.types.Operator):
-    """Compute spectral materials anew, for they follow neither another HDRI nor working space"""
+    """Let spectral materials follow another HDRI, other settings or lamps, and tell which files, \
+bakes and base colors have changed since"""
 
     bl_idname = "skylight.update"
     bl_label = "Update"
@@ -15,11 +16,11 @@ class SKYLIGHT_OT_update(operator.Thin, bpy.types.Operator):
     def hindrance(cls, context):
         from ..scene import materials
 
-        nothing = "No material is spectral yet: apply a reflectance first"
-        return operator.no_sky(context) or ("" if materials.managed_materials() else nothing)
+        nothing = "No material is spectral yet: make some so first"
+        return operator.no_sky(context) or ("" if materials.ours() else nothing)
 
     def run(self, context):
-        from ..scene import spectral
+        from ..scene import spectral, stale
 
         world = context.scene.world
         kept, lines = targets.editable(spectral.in_scene(context.scene))
@@ -27,6 +28,13 @@ class SKYLIGHT_OT_update(operator.Thin, bpy.types.Operator):
         world = spectral.develop(context.scene, settings)
         light, results = spectral.update(world, settings, kept)
         lines += [("WARNING", r.line) for r in results if r.out_of_gamut]
+        changed, gone = choice.changed_files(kept)
+        watch.found_files(changed)
+        lines += [("WARNING", f"{material.name}: {line}") for material, line in changed.items()]
+        lines += [("INFO", line) for line in gone]
+        if names := stale.look_at_bakes(context.scene):
+            lines.append(("WARNING", f"not baked, or changed since: {', '.join(names)}"))
+        watch.found_bakes()
         count = f"{len(results)} material(s) follow {light.name}"
         return [*lines, ("INFO", count), ("INFO", operator.caption(world))]
 

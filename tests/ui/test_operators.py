@@ -169,14 +169,32 @@ def test_a_wrong_camera_is_one_line(scene, brick):
 def test_the_swatch_is_the_colour_under_this_sky(scene, brick, tmp_path):
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     choice = material().skylight
-    colour = materials.managed(material()).extra["colour"]
+    found = materials.managed(material()).extra
+    upward = sky_light.description_of(scene.world)["upward"]
+    assert found["white"] == pytest.approx(np.dot([0.2126, 0.7152, 0.0722], upward), rel=1e-3)
+    colour = np.array(found["colour"]) / found["white"]  # white is 1, however dim the sky
     assert tuple(choice.swatch) == pytest.approx(colour, rel=1e-6)  # float32
-    assert choice.swatch_scale == 1.0
+    assert choice.swatch_scale == pytest.approx(1.0)
     choice.swatch = (1, 1, 1)  # what a person picks there changes nothing
     assert tuple(choice.swatch) == pytest.approx(colour, rel=1e-6)
     bright = write_sky(tmp_path / "bright.exr", turquoise=40.0, sun=0)
     bpy.ops.skylight.load_sky(filepath=str(bright))
-    assert max(choice.swatch) == pytest.approx(1.0)
-    bright = np.array(materials.managed(material()).extra["colour"])
-    assert bright.max() > 1
-    assert choice.swatch_scale == pytest.approx(1 / bright.max(), rel=1e-6)
+    found = materials.managed(material()).extra
+    bright = np.array(found["colour"]) / found["white"]
+    assert tuple(choice.swatch) == pytest.approx(np.maximum(bright, 0) / max(1, *bright), rel=1e-6)
+
+
+def test_solid_mode_shows_the_swatch_and_gets_its_colour_back(scene, brick):
+    wall = material()
+    wall.diffuse_color = (0.1, 0.2, 0.3, 0.4)
+    before = tuple(wall.diffuse_color)
+    for column in ("moss", "brick"):
+        bpy.ops.skylight.apply(filepath=brick, column=column)
+        assert tuple(wall.diffuse_color)[:3] == pytest.approx(tuple(wall.skylight.swatch))
+        assert wall.diffuse_color[3] == before[3]
+    bpy.ops.skylight.remove()
+    assert tuple(wall.diffuse_color) == before
+    bpy.ops.skylight.apply(filepath=brick, column="moss")
+    wall.diffuse_color = (1, 0, 1, 1)  # what a person chose meanwhile stays
+    bpy.ops.skylight.remove()
+    assert tuple(wall.diffuse_color) == (1, 0, 1, 1)

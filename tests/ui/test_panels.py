@@ -9,7 +9,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from spectral_skylight.addon.scene import materials, nodes  # noqa: E402
-from spectral_skylight.addon.ui import material_panel, panels, readout, wheels  # noqa: E402
+from spectral_skylight.addon.ui import material_panel, panels, result, wheels  # noqa: E402
 from spectral_skylight.tests.ui.stage import drawn, select  # noqa: E402
 
 pytestmark = pytest.mark.blender
@@ -94,7 +94,7 @@ def test_no_material(scene):
 
 
 def test_warnings_of_a_material(applied):
-    edit(out_of_gamut=True, colour=[-0.5, 2.0, 4.0], rgb_delta_E=float("nan"))
+    edit(out_of_gamut=True, colour=[-0.5, 2.0, 4.0], white=1.0, rgb_delta_E=float("nan"))
     text = drawn(panels.SKYLIGHT_PT_material).text
     assert "out of gamut: Blender clamps it" in text
     assert "brighter than white: shown at 25 % of its brightness" in text
@@ -126,7 +126,7 @@ def test_a_linked_material_says_so(scene, tmp_path):
 def test_the_table_of_all(applied, monkeypatch):
     assert "Wall: brick" in drawn(panels.SKYLIGHT_PT_all).text
     bpy.data.materials["Wall"].copy()  # a copy is spectral too
-    monkeypatch.setattr(readout, "ROWS", 1)
+    monkeypatch.setattr(result, "ROWS", 1)
     assert "and 1 more" in drawn(panels.SKYLIGHT_PT_all).text
     bpy.ops.skylight.remove_all()
     assert "No material is spectral yet" in drawn(panels.SKYLIGHT_PT_all).text

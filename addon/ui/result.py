@@ -1,0 +1,143 @@
+"""What came of it, in the steps Materials and Result: what needs the person, what is seen."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+
+from . import watch
+from .readout import paragraph
+
+ROWS = 50
+"""Materials that the table shows: a panel is drawn anew whenever the mouse moves over it."""
+
+
+def summary(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """How many materials are spectral, in one line."""
+    from ..scene import materials, nodes, textures
+
+    names = [m[nodes.MANAGED].get("reflectance") for m in materials.ours()]
+    if not names:
+        layout.label(text="No material is spectral yet", icon="INFO")
+        return
+    guessed = names.count(textures.ESTIMATED)
+    layout.label(
+        text=f"{len(names)} spectral: {len(names) - guessed} measured, {guessed} estimated"
+    )
+
+
+def problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What needs the person: nothing where all is well."""
+    from ..scene import stale
+
+    for material in (found := watch.stale_materials())[:ROWS]:
+        paragraph(layout, context, f"{material.name}: {watch.stale(material)}", "ERROR")
+    if found:
+        paragraph(layout, context, "Make Everything Spectral takes that up")
+    if names := stale.unbaked(context.scene):
+        text = f"not baked, or changed since: {_some(names)}"
+        paragraph(layout, context, text, "ERROR")
+        layout.operator("skylight.bake")
+    elif watch.moved() and stale.are_shown(context.scene):
+        paragraph(layout, context, "Objects have changed since: Update finds old bakes", "INFO")
+
+
+def left_alone(context: bpy.types.Context) -> list[tuple[str, str]]:
+    """Names of the scene's materials that one click left alone, and why."""
+    from ..scene import everything
+
+    return everything.left_alone(context.scene)
+
+
+def left(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """A row for each material that one click left alone."""
+    found = left_alone(context)
+    for name, why in found[:ROWS]:
+        paragraph(layout, context, f"{name}: {why}")
+    if len(found) > ROWS:
+        layout.label(text=f"and {len(found) - ROWS} more")
+
+
+def before_after(layout: bpy.types.UILayout) -> None:
+    """The button that shows RGB times RGB; red as long as that shows."""
+    from ..scene import before
+
+    shown = bool(before.shown_now())
+    row = layout.row()
+    row.alert = shown
+    text = "Back to Spectral" if shown else "Compare: RGB × RGB"
+    row.operator("skylight.before_after", text=text, icon="ARROW_LEFTRIGHT", depress=shown)
+    if shown:
+        row = layout.row()
+        row.alert = True
+        row.label(text="Shown and rendered is RGB × RGB now", icon="ERROR")
+
+
+def view(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """Which view transform is on, whether it is fit to judge colours, and the white."""
+    from ..scene import view
+
+    fit, line = view.transform_line(context.scene)
+    paragraph(layout, context, line, "CHECKMARK" if fit else "INFO")
+    if not fit:
+        paragraph(layout, context, "To judge colors: Standard, in Render › Color Management")
+    on = view.KEPT in context.scene
+    text = "White as It Was" if on else "Neutral White of This Sky"
+    button = layout.operator("skylight.neutral_white", text=text, depress=on)
+    button.on = not on
+
+
+def caption(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What light is in the picture."""
+    from ..scene import sky_light
+
+    world = context.scene.world
+    found = None if world is None else sky_light.description_of(world)
+    if found is None:
+        layout.label(text="Nothing is spectral under this sky yet")
+        return
+    for sentence in found["caption"].split("; "):
+        paragraph(layout, context, sentence, "INFO")
+
+
+def table(layout: bpy.types.UILayout) -> None:
+    """A row for each spectral material of the file."""
+    from ..scene import materials
+
+    found = materials.ours()
+    if not found:
+        layout.label(text="No material is spectral yet")
+        return
+    layout.label(text="Color here, material, ΔE of RGB × RGB and of ours")
+    column = layout.column(align=True)
+    for shown in found[:ROWS]:
+        row(column.row(), shown)
+    if len(found) > ROWS:
+        layout.label(text=f"and {len(found) - ROWS} more")
+
+
+def row(layout: bpy.types.UILayout, shown: bpy.types.Material) -> None:
+    """One material: its colour under the sky, what it is, its errors, and what is to be known."""
+    from ..scene import materials, optics, textures
+
+    managed = materials.managed(shown)
+    if managed is None:
+        pane = optics.pane_node(shown) is not None
+        text = optics.pane_of(shown)[0] if pane else "its nodes are gone: remove and apply it anew"
+        layout.label(text=f"{shown.name}: {text}", icon="MATFLUID" if pane else "ERROR")
+        return
+    estimated = managed.reflectance_name == textures.ESTIMATED
+    layout.prop(shown.skylight, "swatch", text="")
+    name = "estimated" if estimated else managed.reflectance_name
+    layout.label(text=f"{shown.name}: {name}", icon="QUESTION" if estimated else "NONE")
+    extra = managed.extra
+    errors = [extra["rgb_delta_E"], extra["matrix_delta_E"]]
+    text = " → ".join("?" if not math.isfinite(e) else f"{e:.1f}" for e in errors)
+    if extra["out_of_gamut"]:
+        text += ", clamped"
+    layout.label(text=f"ΔE {text}", icon="ERROR" if watch.stale(shown) else "NONE")
+
+
+def _some(names: list[str]) -> str:
+    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if names[5:] else "")

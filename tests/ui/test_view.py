@@ -1,0 +1,214 @@
+"""What the viewport shows: shading, RGB × RGB for comparison, and a neutral white."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from spectral_skylight.addon.scene import before, look, owned, view  # noqa: E402
+from spectral_skylight.addon.scene.render import render  # noqa: E402
+from spectral_skylight.addon.ui import panels  # noqa: E402
+from spectral_skylight.tests.ui.stage import drawn, material, matrix  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+
+def shadings():
+    return [
+        area.spaces.active.shading
+        for area in bpy.context.window.screen.areas
+        if area.type == "VIEW_3D"
+    ]
+
+
+def test_show_in_viewport(scene):
+    (shading,) = shadings()
+    shading.type = "SOLID"
+    assert bpy.ops.skylight.show_in_viewport() == {"FINISHED"}
+    assert shading.type == "RENDERED" and shading.use_scene_world_render
+    scene.render.engine = "CYCLES"  # which takes its time: Eevee shows the same at once
+    bpy.ops.skylight.show_in_viewport()
+    assert shading.type == "MATERIAL"
+    assert shading.use_scene_world and shading.use_scene_lights
+    scene.render.engine = "BLENDER_WORKBENCH"
+    with pytest.raises(RuntimeError, match="Workbench knows no shaders"):
+        bpy.ops.skylight.show_in_viewport()
+
+
+def inputs(name="Wall"):
+    """Every vector and colour of our nodes in a material, by the node's role and the input."""
+    return {
+        (node[look.OURS], socket.name): tuple(socket.default_value)
+        for node in material(name).node_tree.nodes
+        if look.OURS in node
+        for socket in node.inputs
+        if socket.type in ("VECTOR", "RGBA")
+    }
+
+
+def test_before_and_after_swap_values_alone(scene, brick):
+    bpy.ops.skylight.apply(filepath=brick, column="brick")
+    bpy.ops.skylight.apply(filepath=brick, column="moss", material="Roof")
+    ours = {name: inputs(name) for name in ("Wall", "Roof")}
+    links = [len(bpy.data.materials[name].node_tree.links) for name in ours]
+    bpy.ops.skylight.before_after()
+    rgb = matrix()
+    assert rgb == pytest.approx(np.diag(np.diag(rgb)))  # RGB times RGB
+    # A brick's RGB under D65, by colour-science itself.
+    assert np.diag(rgb) == pytest.approx(
+        rgb_of(brick, "brick"), abs=5e-3
+    )  # steps of 10 nm, interpolated otherwise
+    assert inputs("Wall")["surface", "Sun"] == pytest.approx(np.diag(rgb))
+    assert "Shown and rendered is RGB × RGB" in drawn(panels.SKYLIGHT_PT_result).text
+    assert [len(bpy.data.materials[name].node_tree.links) for name in ours] == links
+    bpy.ops.skylight.before_after()
+    assert {name: inputs(name) for name in ours} == ours
+    assert "Shown and rendered" not in drawn(panels.SKYLIGHT_PT_result).text
+    # Whatever makes materials spectral shows ours again, and what leaves takes all along.
+    bpy.ops.skylight.before_after(show="BEFORE")
+    bpy.ops.skylight.before_after(show="BEFORE")  # twice is once
+    assert matrix() == pytest.approx(rgb)
+    bpy.ops.skylight.update()
+    assert inputs() == ours["Wall"] and before.shown_now() == []
+    bpy.ops.skylight.before_after()
+    copy = material().copy()  # says so on its own
+    assert copy in before.shown_now()
+    bpy.ops.skylight.remove_all()
+    assert not any(owned.OTHER in m or owned.BEFORE in m for m in bpy.data.materials)
+
+
+def rgb_of(path, column):
+    import colour
+
+    data = np.genfromtxt(path, delimiter=",", names=True)
+    sd = colour.SpectralDistribution(dict(zip(data["wavelength_nm"], data[column], strict=True)))
+    shape = colour.SpectralShape(380, 780, 5)
+    D65 = colour.SDS_ILLUMINANTS["D65"].copy().align(shape)
+    cmfs = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"].copy().align(shape)
+    XYZ = [
+        colour.sd_to_XYZ(each, cmfs, D65, method="Integration")
+        for each in (sd.align(shape), colour.sd_ones(shape))
+    ]
+    to_rgb = colour.RGB_COLOURSPACES["sRGB"].matrix_XYZ_to_RGB
+    return to_rgb @ XYZ[0] / (to_rgb @ XYZ[1])
+
+
+def test_a_texture_metal_and_glass_are_compared_too(scene, brick, tmp_path):
+    image = bpy.data.images.new("tiles", 2, 2)
+    for name in ("Wall", "Roof"):
+        tree = material(name).node_tree
+        node = tree.nodes.new("ShaderNodeTexImage")
+        node.image = image
+        tree.links.new(node.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    bpy.ops.skylight.estimate(material="Wall")
+    bpy.ops.skylight.apply(material="Roof", filepath=brick, column="moss", kind="GLASS")
+    pane = lambda: inputs("Roof")["glass", "Transmittance"]  # noqa: E731
+    ours = inputs("Wall"), pane()
+    bpy.ops.skylight.before_after()
+    now = inputs("Wall")
+    red = [now["texture", f"Red Row {row}"] for row in "RGB"]
+    assert red == pytest.approx(np.diag([1, 0, 0]), abs=0.02)  # the image's own red
+    assert pane()[:3] == pytest.approx(
+        rgb_of(brick, "moss"), abs=5e-3
+    )  # steps of 10 nm, interpolated otherwise
+    bpy.ops.skylight.before_after()
+    assert (inputs("Wall"), pane()) == ours
+
+
+def test_the_view_transform_is_explained(scene):
+    known = scene.view_settings.bl_rna.properties["view_transform"]
+    assert known is not None
+    with pytest.raises(TypeError) as caught:
+        scene.view_settings.view_transform = "None of them"
+    names = str(caught.value).partition("not found in (")[2].rstrip(")").split(", ")
+    assert {name.strip("'") for name in names} <= set(view.TRANSFORMS)
+    scene.view_settings.view_transform = "Standard"
+    assert view.transform_line(scene)[0]
+    assert "Standard: shows colors as computed" in drawn(panels.SKYLIGHT_PT_result).text
+    scene.view_settings.view_transform = "AgX"
+    fit, line = view.transform_line(scene)
+    assert not fit and line.startswith("AgX: ")
+    scene.view_settings.look = "AgX - Punchy"
+    assert "AgX - Punchy" in view.transform_line(scene)[1]
+
+
+def test_a_neutral_white_is_no_second_one(scene, brick):
+    settings = scene.view_settings
+    with pytest.raises(RuntimeError, match="Make a material spectral first"):
+        bpy.ops.skylight.neutral_white()
+    settings.white_balance_temperature = 5200.0
+    bpy.ops.skylight.apply(filepath=brick, column="brick")
+    bpy.ops.skylight.neutral_white()
+    assert settings.use_white_balance and settings.white_balance_temperature != 5200.0
+    found = settings.white_balance_temperature
+    bpy.ops.skylight.neutral_white()  # twice is once
+    assert settings.white_balance_temperature == found
+    bpy.ops.skylight.neutral_white(on=False)
+    assert (settings.use_white_balance, settings.white_balance_temperature) == (False, 5200.0)
+    settings.use_white_balance = True
+    with pytest.raises(RuntimeError, match="of its own: once more would be twice"):
+        bpy.ops.skylight.neutral_white()
+    settings.use_white_balance = False
+    scene.world.skylight.white_balanced = True
+    with pytest.raises(RuntimeError, match="white-balanced already: once more would be twice"):
+        bpy.ops.skylight.neutral_white()
+    scene.world.skylight.white_balanced = False
+    bpy.ops.skylight.neutral_white()
+    scene.world.skylight.white_balanced = True
+    bpy.ops.skylight.update()  # what would be twice from now on is taken back
+    assert not settings.use_white_balance and view.KEPT not in scene
+    scene.world.skylight.white_balanced = False
+    bpy.ops.skylight.update()
+    bpy.ops.skylight.neutral_white()
+    bpy.ops.skylight.remove_all()  # as the last material leaves
+    assert (settings.use_white_balance, settings.white_balance_temperature) == (False, 5200.0)
+
+
+def test_light_beyond_the_white_balance_is_refused(scene, brick):
+    bpy.ops.skylight.apply(filepath=brick, column="brick")
+    with pytest.raises(ValueError, match="beyond Blender's white balance"):
+        view.neutral(scene, [0.1, 0.2, 5.0])
+    assert not scene.view_settings.use_white_balance and view.KEPT not in scene
+
+
+@pytest.mark.slow
+def test_white_is_neutral_in_the_picture_and_EXR_stays_exact(scene, tmp_path):
+    """A level white plane in sun and sky: its PNG turns grey, its linear numbers do not change."""
+    white = tmp_path / "white.csv"
+    white.write_text("nm,white\n" + "".join(f"{nm},0.5\n" for nm in range(380, 781, 10)))
+    mesh = bpy.data.objects["Wall"].data
+    mesh.from_pydata([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], [], [(0, 1, 2, 3)])
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location.z = 3.0
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.render.resolution_x = scene.render.resolution_y = 32
+    scene.view_settings.view_transform = "Standard"
+    scene.eevee.taa_render_samples = 4
+    bpy.ops.skylight.apply(filepath=str(white))
+    found = []
+    for on in (False, True):
+        if on:
+            bpy.ops.skylight.neutral_white()
+        exr, png = render(scene, tmp_path / f"{on}.exr")
+        found.append((pixels(exr), pixels(png)))
+    (linear, tinted), (linear_again, neutral) = found
+    assert (linear == linear_again).all()
+    middle = (slice(8, 24), slice(8, 24))
+    # Sky and sun together differ by a tenth between channels here.
+    assert np.ptp(tinted[middle].mean(axis=(0, 1))) > 0.03
+    # 8 bits of a picture; the white balance is a temperature and a tint, so not wholly exact.
+    assert np.ptp(neutral[middle].mean(axis=(0, 1))) < 2.0 / 255.0
+    bpy.ops.skylight.before_after()
+    exr, _ = render(scene, tmp_path / "before.exr")
+    # White by RGB times RGB is white by spectra: nothing but the matrix differs.
+    assert pixels(exr)[middle] == pytest.approx(linear[middle], rel=2e-3)
+
+
+def pixels(path):
+    image = bpy.data.images.load(str(path))
+    if path.suffix == ".png":
+        image.colorspace_settings.name = "Non-Color"
+    found = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(found)
+    return found.reshape(image.size[1], image.size[0], image.channels)[..., :3]
