@@ -17,9 +17,11 @@ from .ui import (
     bake,
     choose_reflectance,
     everything,
+    gallery,
     load_sky,
     material_panel,
     panels,
+    pictures,
     properties,
     remove,
     update,
@@ -41,6 +43,7 @@ MODULES = (
     wheels,
     panels,
     material_panel,
+    pictures,
 )
 CLASSES: tuple[type, ...] = tuple(cls for module in MODULES for cls in module.CLASSES)
 
@@ -57,6 +60,7 @@ def register() -> None:
         _undo.append(properties.detach)
         watch.attach()
         _undo.append(watch.detach)
+        _undo.append(gallery.clear)
         command = bpy.utils.register_cli_command("skylight", _command)
         _undo.append(partial(bpy.utils.unregister_cli_command, command))
     except Exception:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Hashable
 
 import bpy
 
+from ...node_groups import skylight_surface
+from ..errors import InputError
 from ..pictures.portrait import Portrait, plain
 from ..spectra.working_spaces import DEFAULT_SPACE
-from . import materials, sky_light, textures
+from . import materials, settings, sky_light, textures
+from . import world as worlds
 
 
 def portrait(material: bpy.types.Material) -> Portrait | None:
@@ -29,6 +33,24 @@ def portrait(material: bpy.types.Material) -> Portrait | None:
         measured=plain(managed.extra.get("measured")),
         estimated=managed.reflectance_name == textures.ESTIMATED,
         space=None if camera else sky.get("space", DEFAULT_SPACE),
+    )
+
+
+def sky_key(world: bpy.types.World) -> tuple[Hashable, ...]:
+    """All that the map of a World's sky depends on; the HDRI by its name and size."""
+    try:
+        image = worlds.sky_of(world).image
+    except InputError:
+        return (world.session_uid,)
+    surface = skylight_surface.find(world)
+    described = None if surface is None else surface.get(sky_light.DESCRIPTION)
+    return (
+        world.session_uid,
+        image.name_full,
+        image.filepath,
+        tuple(image.size),
+        world.get(settings.SETTINGS),
+        described,
     )
 
 

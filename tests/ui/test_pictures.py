@@ -1,0 +1,151 @@
+"""Pictures in panels: asked for while drawing, made after it, kept by what they show."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from spectral_skylight.addon import cli  # noqa: E402
+from spectral_skylight.addon.scene import files, pictured  # noqa: E402
+from spectral_skylight.addon.ui import gallery, pictures  # noqa: E402
+from spectral_skylight.tests.pictures.reading import read_png  # noqa: E402
+from spectral_skylight.tests.ui.stage import drawn, material, write_sky  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+OF_MATERIAL = [
+    pictures.SKYLIGHT_PT_curve,
+    pictures.SKYLIGHT_PT_matrix,
+    pictures.SKYLIGHT_PT_curve_properties,
+    pictures.SKYLIGHT_PT_matrix_properties,
+]
+
+
+@pytest.fixture
+def applied(scene, tmp_path):
+    """Wall is brick, whose file begins at 400 nm."""
+    file = tmp_path / "short.csv"
+    file.write_text("nm,brick\n" + "".join(f"{nm},0.{nm}\n" for nm in range(400, 701, 10)))
+    gallery.clear()
+    bpy.ops.skylight.apply(filepath=str(file))
+    return scene
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """What is drawn from now on, by its key."""
+    drawn_ = []
+    keep = gallery._keep
+    monkeypatch.setattr(gallery, "_keep", lambda key, rgb: (drawn_.append(rgb), keep(key, rgb)))
+    return drawn_
+
+
+@pytest.mark.parametrize("panel", OF_MATERIAL)
+def test_a_picture_is_asked_for_and_made_once(applied, made, panel):
+    assert panel.poll(bpy.context)
+    assert "Drawing..." in drawn(panel).text and not made  # nothing is computed while drawing
+    gallery.draw_wanted()
+    (rgb,) = made
+    assert rgb.shape == (480, 480, 3)
+    assert "Drawing..." in drawn(panel).text  # in the background Blender numbers no icons
+    gallery.draw_wanted()
+    assert len(made) == 1
+
+
+def test_blender_holds_the_picture_and_shows_its_icon(applied, made, monkeypatch):
+    drawn(pictures.SKYLIGHT_PT_matrix)
+    gallery.draw_wanted()
+    (key,) = gallery._names
+    held = np.array(gallery.pixels(key)).reshape(480, 480, 4)[::-1]
+    assert np.abs(held[..., :3] * 255.0 - made[0]).max() < 1.0 and (held[..., 3] == 1.0).all()
+    monkeypatch.setattr(gallery, "icon", lambda key, draw: 7)
+    assert ("template_icon", (), {"icon_value": 7, "scale": 12.5}) in drawn(
+        pictures.SKYLIGHT_PT_matrix
+    ).drawn
+
+
+def test_pictures_follow_numbers_and_not_names(applied, made):
+    drawn(pictures.SKYLIGHT_PT_curve)
+    gallery.draw_wanted()
+    material().name = "Another"
+    bpy.ops.skylight.apply(filepath=material("Another").skylight.filepath, material="Roof")
+    bpy.ops.skylight.update()
+    drawn(pictures.SKYLIGHT_PT_curve)
+    gallery.draw_wanted()
+    assert len(made) == 1
+    bpy.ops.skylight.estimate()
+    shown = drawn(pictures.SKYLIGHT_PT_curve)
+    gallery.draw_wanted()
+    assert len(made) == 2 and (made[0] != made[1]).any()
+    assert "Estimated" in shown.text
+
+
+def test_words_stand_beside_the_curve(applied):
+    assert "Measured from 400 to 700 nm" in drawn(pictures.SKYLIGHT_PT_curve).text
+    found = pictured.portrait(material())
+    assert found.measured == (400.0, 700.0) and len(found.spectrum) == 81
+    assert found.space == "Linear Rec.709" and not found.estimated
+
+
+def test_there_is_none_before_a_material_is_spectral(scene):
+    assert not any(panel.poll(bpy.context) for panel in OF_MATERIAL)
+    assert pictured.portrait(material()) is None
+    assert "No material is spectral" in drawn(pictures.SKYLIGHT_PT_errors).text
+
+
+def test_the_map_of_the_sky_is_made_anew_for_another_HDRI(applied, made, tmp_path):
+    panel = pictures.SKYLIGHT_PT_sky_map
+    assert panel.poll(bpy.context)
+    drawn(panel)
+    gallery.draw_wanted()
+    drawn(panel)
+    gallery.draw_wanted()
+    assert len(made) == 1
+    bpy.ops.skylight.load_sky(filepath=str(write_sky(tmp_path / "green.exr", turquoise=2.0)))
+    drawn(panel)
+    gallery.draw_wanted()
+    assert len(made) == 2 and (made[0] != made[1]).any()
+
+
+def test_a_world_without_a_sky_says_so(applied, made):
+    applied.world = bpy.data.worlds.new("Grey")
+    drawn(pictures.SKYLIGHT_PT_sky_map)
+    gallery.draw_wanted()
+    assert not made
+    assert 'World "Grey"' in drawn(pictures.SKYLIGHT_PT_sky_map).text
+
+
+def test_errors_are_bars(applied):
+    shown = [options for kind, _, options in drawn(pictures.SKYLIGHT_PT_errors).drawn]
+    bars = [options for options in shown if "factor" in options and len(options) == 2]
+    ((_, today, ours),) = pictured.expected()
+    assert [bar["text"] for bar in bars] == [f"{today:.2f}", f"{ours:.2f}"]
+    assert [bar["factor"] for bar in bars] == pytest.approx(
+        [today / max(today, 1.0), ours / max(today, 1.0)]
+    )
+
+
+def test_only_so_many_are_kept(applied):
+    pixels = np.zeros((4, 4, 3), np.uint8)
+    for number in range(gallery.KEPT + 5):
+        gallery.icon(number, lambda: pixels)
+        gallery.draw_wanted()
+    assert len(gallery._names) == len(gallery._previews) == gallery.KEPT
+    assert gallery.pixels(4) == [] and len(gallery.pixels(gallery.KEPT)) == 64
+    gallery.clear()
+    assert gallery.pixels(gallery.KEPT) == [] and gallery._previews is None
+
+
+def test_the_same_from_the_command_line(applied, tmp_path, made):
+    files.save(tmp_path / "spectral.blend")
+    drawn(pictures.SKYLIGHT_PT_curve)
+    gallery.draw_wanted()
+    scene, out = str(tmp_path / "spectral.blend"), tmp_path / "out.png"
+
+    def run(*options):
+        return cli.main(["picture", scene, "--out", str(out), *options])
+
+    assert run("--material", "Wall", "--theme", "dark", "--scale", "1") == 0
+    np.testing.assert_array_equal(read_png(out)[44:524, 20:500], made[0])
+    assert run() == 0 and read_png(out).shape[1] == 780  # everyone's errors
+    assert run("--material", "Roof") == 2 and run("--sky", "a.exr") == 2
