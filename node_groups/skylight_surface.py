@@ -28,6 +28,7 @@ SKY = "Sky"  # the nodes whose Rotation and Strength follow the World
 GROUND = "Ground"
 PROBE = "Probe"
 VISIBILITY = "Visibility"
+ANY = "sun_threshold"  # a number that every World has
 LIGHTS = ("Ground", "Sun", "Lamp 1", "Lamp 2", "Bounce 1 Sun", "Bounce 2 Sun")
 BOUNCES = ("Bounce 1", "Bounce 2")
 IRRADIANCE, REFLECTANCE = "Skylight Irradiance", "Skylight Reflectance"
@@ -88,14 +89,14 @@ def features_of(tree: bpy.types.NodeTree) -> Features:
 
 def ensure(
     world: bpy.types.World,
-    strength: str,
+    strength: str | None,
     rotation: str | None,
     inverse: bool = False,
     features: Features | None = None,
 ) -> bpy.types.NodeTree:
     """The `Skylight Surface` group of this World, made or updated.
 
-    `strength` and `rotation` are the World's data paths that it follows (None: not turned);
+    `strength` and `rotation` are the World's data paths that it follows (None: 1, and not turned);
     `inverse` turns the other way; `features`: None leaves what there is. Inputs: Row R, Row G,
     Row B (the material's matrix; identity by default), Normal (world space; unlinked: the shading
     normal), Alpha (1: opaque), and `LIGHTS`, what the material reflects of each (RGB; 0 by
@@ -138,7 +139,7 @@ def ensure(
     )
     for name, inside in parts.items():
         node = tree.nodes[name]
-        _follow(node.inputs["Strength"], -1, world, strength)
+        _follow(node.inputs["Strength"], -1, world, strength or ANY, constant=strength is None)
         if "Rotation" not in node.inputs:
             continue
         if sky_irradiance.ROTATE in inside.nodes:
@@ -156,9 +157,21 @@ def ensure(
     return tree
 
 
-def _follow(socket: bpy.types.NodeSocket, axis: int, world: bpy.types.World, path: str) -> None:
+def _follow(
+    socket: bpy.types.NodeSocket,
+    axis: int,
+    world: bpy.types.World,
+    path: str,
+    constant: bool = False,
+) -> None:
+    """Let an input be a value of a World; a ``constant`` is 1 and knows the World all the same."""
     socket.driver_remove("default_value", axis)
-    driver = socket.driver_add("default_value", axis).driver
+    curve = socket.driver_add("default_value", axis)
+    if constant:
+        for modifier in list(curve.modifiers):
+            curve.modifiers.remove(modifier)
+        curve.modifiers.new("GENERATOR").coefficients = (1.0, 0.0)
+    driver = curve.driver
     driver.type = "AVERAGE"  # of one value: no expression that Blender might refuse to run
     target = driver.variables.new().targets[0]
     target.id_type = "WORLD"

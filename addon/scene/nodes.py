@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import bpy
 
 MANAGED = "spectral_skylight"  # on a material: what it was given
@@ -30,3 +32,17 @@ def use(owner: bpy.types.Material | bpy.types.World) -> None:
     """Give a material or World its node tree; from 5.0 each has one."""
     if bpy.app.version < (5, 0, 0):
         owner.use_nodes = True
+
+
+def feeding(node: bpy.types.Node) -> Iterator[bpy.types.Node]:
+    """A node and all that feed it, also from within groups; each once."""
+    waiting, seen = [node], set()
+    while waiting:
+        node = waiting.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        yield node
+        waiting += [link.from_node for socket in node.inputs for link in socket.links]
+        if node.type == "GROUP" and node.node_tree is not None:
+            waiting += [inside for inside in node.node_tree.nodes if inside.type == "GROUP_OUTPUT"]

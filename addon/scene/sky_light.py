@@ -30,7 +30,7 @@ def ensure(
     return skylight_surface.ensure(
         world,
         worlds.value_path(world, sky.background, "Strength"),
-        sky.mapping and worlds.value_path(world, sky.mapping, "Rotation"),
+        worlds.value_path(world, sky.mapping, "Rotation"),
         sky.inverse,
         features,
     )

@@ -5,7 +5,6 @@ The panel, the command line and scripts all call these functions.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Generator, Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -15,8 +14,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..sky.light import SkyLight, analyse
-from ..sky.panorama import from_pixels, read_panorama
+from ..sky.light import SkyLight
+from ..sky.panorama import read_panorama
 from ..spectra.reflectance import reflectance_hash
 from ..spectra.working_spaces import rec709_to_working
 from ..transfer.choice import doubt, lowest_degree, sky_line, visibility_line
@@ -35,6 +34,7 @@ from . import (
     swatch,
     textures,
     view,
+    world_pixels,
 )
 from . import world as worlds
 from .bake import Progress, run
@@ -98,8 +98,7 @@ def make_spectral(
     ``measured``: from where to where [nm] reflectances were measured, kept for those who look.
     ``glazings``: what becomes glass, as `optics.glaze` takes it (name, transmittance, faces).
     Everything is computed and checked before the first material changes. Raises InputError as
-    `world.sky_of`, `world.pixels_of`, `sky.panorama.from_pixels`, `materials.apply` and
-    `Settings.transfer` do.
+    `world_pixels.light_of`, `materials.apply` and `Settings.transfer` do.
     """
     return run(making_spectral(world, reflectances, settings, metals, measured, glazings))
 
@@ -147,7 +146,7 @@ def making_spectral(
         "caption": found.caption,
         "settings": _plain(settings),
         "space": choice.transfer.space,
-        "image": worlds.sky_of(world).image.name,
+        "image": worlds.sky_of(world).name,
         "model": model,
         "spectrum": _restored(light, choice.transfer),
         "level": found.level(sun).tolist(),
@@ -289,19 +288,7 @@ _NONE: NDArray[np.float64] = np.empty((0, 81))
 
 def analysed(world: bpy.types.World | None, settings: Settings) -> SkyLight:
     """Return what a World's sky is; raises InputError as `make_spectral` does for it."""
-    image = worlds.sky_of(world).image
-    pixels, sensors = worlds.pixels_of(image), settings.sensors
-    name = f'image "{image.name}"'
-    content = hashlib.blake2b(name.encode() + sensors.tobytes())
-    content.update(pixels.data)
-    if content.digest() not in _last:
-        found = analyse(from_pixels(pixels, name), S_in=sensors)
-        _last.clear()
-        _last[content.digest()] = found
-    return _last[content.digest()]
-
-
-_last: dict[bytes, SkyLight] = {}  # of the last sky, by a hash of its numbers: it takes seconds
+    return world_pixels.light_of(world, settings.sensors)
 
 
 def _plain(record: Any) -> dict[str, Any]:

@@ -161,9 +161,14 @@ def _own_threshold(world: bpy.types.World, brightest_sky: float) -> None:
     world.use_sun_shadow = True
 
 
-def _follow_strength(light: bpy.types.Light, world: bpy.types.World, path: str) -> None:
+def _follow_strength(light: bpy.types.Light, world: bpy.types.World, path: str | None) -> None:
     emission = next(node for node in light.node_tree.nodes if node.type == "EMISSION")
-    follow.drive(emission.inputs["Strength"], "default_value", world, path)
+    strength = emission.inputs["Strength"]
+    if path is not None:
+        follow.drive(strength, "default_value", world, path)
+        return
+    strength.driver_remove("default_value")
+    strength.default_value = 1.0
 
 
 def _turn_with(pivot: bpy.types.Object, world: bpy.types.World, sky: worlds.WorldSky) -> None:

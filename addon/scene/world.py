@@ -1,8 +1,8 @@
-"""The sky of a World: which HDRI lights it, how it is turned, and its pixels."""
+"""The sky of a World: what of it is followed live, and how its light is read."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
@@ -19,98 +19,116 @@ CURE = "plug an equirectangular Environment Texture straight into the World's Ba
 
 @dataclass(frozen=True)
 class WorldSky:
-    """The HDRI of a World and what its nodes do with it.
+    """How a World's light is known.
 
-    A direction v is looked up in the image at R v, R being the XYZ Euler `rotation` [rad], or its
-    inverse where `inverse`; what is found there counts `strength` times. The names are those
-    of the World's nodes; `mapping` is None without a Mapping node.
+    ``image``: the HDRI whose pixels are its light; None where they say too little (``why``), and
+    the World is baked. What is followed live is not in these pixels: the value of the node
+    `background`'s Strength, and the rotation of the node `mapping`: a direction v is looked up
+    at R v, R being the XYZ Euler `rotation` [rad], or its inverse where `inverse`. Names are
+    None, and the rotation 0, where that is baked too. ``name``: the image's, or the World's.
     """
 
-    image: bpy.types.Image
-    rotation: tuple[float, float, float]
-    inverse: bool
-    strength: float
-    background: str
-    texture: str
-    mapping: str | None
+    name: str
+    image: bpy.types.Image | None = None
+    why: str = ""
+    background: str | None = None
+    texture: str | None = None
+    mapping: str | None = None
+    rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    inverse: bool = False
+
+    @property
+    def line(self) -> str:
+        """What a person should know of a World that is baked; empty for an HDRI."""
+        if self.image is not None:
+            return ""
+        live = ["Strength"] * bool(self.background) + ["Rotation"] * bool(self.mapping)
+        follows = f"; its {' and '.join(live)} can be changed live" if live else ""
+        return f"the World is baked, for {self.why}: after a change press Update{follows}"
 
 
 def sky_of(world: bpy.types.World | None) -> WorldSky:
-    """The HDRI that lights a World.
+    """How the light of a World is known; nothing is computed yet.
 
-    Read are World Output ← Background ← Environment Texture ← [Mapping] ← [Texture Coordinate],
-    and our Spectral Matrix between texture and Background. Raises InputError for anything else.
+    Read directly are World Output ← Background ← Environment Texture ← [Mapping that only turns] ←
+    [Texture Coordinate], and our Spectral Matrix between texture and Background. All other Worlds
+    are baked. Raises InputError without a World.
     """
     if world is None:
         raise InputError("the scene", "has no World", "give it one with a sky HDRI")
-    place = f'World "{world.name}"'
+    found = WorldSky(world.name)
+    output = output_of(world)
+    if output is None:
+        return replace(found, why="it has no nodes")
+    background = _feeds(output.inputs["Surface"])
+    if background is None or background.type != "BACKGROUND":
+        return replace(found, why=f"its output is fed by {_called(background)}")
+    if nodes.source(background.inputs["Strength"]) is not None:
+        return replace(found, why="its Background's Strength is linked")
+    found = replace(found, background=background.name)
+    texture = _feeds(background.inputs["Color"])
+    if texture is not None and groups.kind_of(texture) == spectral_matrix.KIND:
+        texture = _feeds(texture.inputs["Color"])
+    if texture is None or texture.type != "TEX_ENVIRONMENT":
+        return replace(found, why=f"its Background is fed by {_called(texture)}")
+    mapping, why = _mapping(texture)
+    if why:
+        return replace(found, why=why)
+    found = replace(found, texture=texture.name)
+    if mapping is not None:
+        found = replace(
+            found,
+            mapping=mapping.name,
+            rotation=tuple(mapping.inputs["Rotation"].default_value),
+            inverse=mapping.vector_type == "TEXTURE",
+        )
+    image = texture.image
+    if image is None:
+        return replace(found, why="its Environment Texture has no image")
+    if texture.projection != "EQUIRECTANGULAR":
+        return replace(found, why="its texture is a mirror ball")
+    if image.source not in {"FILE", "GENERATED"}:
+        return replace(found, why=f"its image is a {image.source.lower()}")
+    return replace(found, name=image.name, image=image)
+
+
+def output_of(world: bpy.types.World) -> bpy.types.Node | None:
+    """The World Output that Eevee shows, else that of Cycles; None without nodes."""
     tree = world.node_tree
     if tree is None or (bpy.app.version < (5, 0, 0) and not world.use_nodes):
-        raise InputError(place, "uses no nodes, so no HDRI", CURE)
-    output = tree.get_output_node("ALL")
-    background = _expect(
-        place, output and output.inputs["Surface"], "BACKGROUND", "the World Output", "a Background"
-    )
-    colour = nodes.source(background.inputs["Color"])
-    if colour is not None and groups.kind_of(colour.node) == spectral_matrix.KIND:
-        background_colour = colour.node.inputs["Color"]
-    else:
-        background_colour = background.inputs["Color"]
-    texture = _expect(
-        place, background_colour, "TEX_ENVIRONMENT", "the Background", "an Environment Texture"
-    )
-    if nodes.source(background.inputs["Strength"]) is not None:
-        raise InputError(place, "the Background's Strength is linked", "set it as a value")
-    if texture.projection != "EQUIRECTANGULAR":
-        raise InputError(place, "its texture is a mirror ball", "use an equirectangular HDRI")
-    if texture.image is None:
-        raise InputError(place, "its Environment Texture has no image", "open a sky HDRI in it")
-    mapping = _mapping(place, texture)
-    return WorldSky(
-        image=texture.image,
-        rotation=tuple(mapping.inputs["Rotation"].default_value) if mapping else (0.0, 0.0, 0.0),
-        inverse=mapping is not None and mapping.vector_type == "TEXTURE",
-        strength=background.inputs["Strength"].default_value,
-        background=background.name,
-        texture=texture.name,
-        mapping=mapping.name if mapping else None,
-    )
+        return None
+    return tree.get_output_node("EEVEE") or tree.get_output_node("CYCLES")
 
 
-def _expect(place, socket, node_type: str, whose: str, wanted: str) -> bpy.types.Node:
-    found = nodes.source(socket) if socket else None
-    if found is None or found.node.type != node_type:
-        what = f'the node "{found.node.name}"' if found else "nothing"
-        raise InputError(place, f"{whose} is fed by {what}, not by {wanted}", CURE)
-    return found.node
+def _feeds(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
+    found = nodes.source(socket)
+    return None if found is None else found.node
 
 
-def _mapping(place: str, texture: bpy.types.Node) -> bpy.types.Node | None:
-    """The Mapping node before a texture, None without one; raises where it does more than turn."""
+def _called(node: bpy.types.Node | None) -> str:
+    return "no texture" if node is None else f'the node "{node.name}"'
+
+
+def _mapping(texture: bpy.types.Node) -> tuple[bpy.types.Node | None, str]:
+    """The Mapping node before a texture, None without; and why it cannot be followed, if so."""
     found = nodes.source(texture.inputs["Vector"])
     mapping = None
     if found is not None and found.node.type == "MAPPING":
         mapping = found.node
         found = nodes.source(mapping.inputs["Vector"])
         if found is None:
-            raise InputError(
-                place, "its Mapping has no Vector", "link Texture Coordinate Generated"
-            )
+            return None, "its Mapping has no Vector"
         for name, neutral in (("Location", 0.0), ("Scale", 1.0), ("Rotation", None)):
             socket = mapping.inputs.get(name)
             if socket is None or not socket.enabled:  # a Vector mapping has no location
                 continue
             if nodes.source(socket) is not None:
-                raise InputError(place, f"its Mapping's {name} is linked", "set it as a value")
+                return None, f"its Mapping's {name} is linked"
             if neutral is not None and any(abs(v - neutral) > 1e-6 for v in socket.default_value):
-                raise InputError(place, f"its Mapping has a {name}", f"set {name} to {neutral:g}")
+                return None, f"its Mapping has a {name}"
     if found is not None and (found.node.type, found.name) != ("TEX_COORD", "Generated"):
-        raise InputError(
-            place,
-            f'its texture is looked up by "{found.node.name}", {found.name}',
-            "use Texture Coordinate Generated, with at most a Mapping between",
-        )
-    return mapping
+        return None, f'its texture is looked up by "{found.node.name}", {found.name}'
+    return mapping, ""
 
 
 def in_world(sky: WorldSky, direction: np.ndarray) -> np.ndarray:
@@ -120,33 +138,11 @@ def in_world(sky: WorldSky, direction: np.ndarray) -> np.ndarray:
     return np.array(turn) @ direction
 
 
-def value_path(world: bpy.types.World, node: str, socket: str) -> str:
-    """The data path, from a World, of the value of one of its nodes' inputs."""
+def value_path(world: bpy.types.World, node: str | None, socket: str) -> str | None:
+    """The data path, from a World, of the value of one of its nodes' inputs; None without it."""
+    if node is None:
+        return None
     return "node_tree." + world.node_tree.nodes[node].inputs[socket].path_from_id("default_value")
-
-
-def pixels_of(image: bpy.types.Image) -> np.ndarray:
-    """The pixels of an HDRI as float32 RGB (h, w, 3), top row first, in the file's working space.
-
-    Blender has then applied the image's colour space (none for Non-Color); packed, external
-    and linked images give the same. Raises InputError for a missing file, a sequence, movie or
-    tiled image, and for 8 bits a channel.
-    """
-    place = f'image "{image.name}"'
-    if image.source not in {"FILE", "GENERATED"}:
-        raise InputError(place, f"is a {image.source.lower()}", "use a single HDRI image")
-    width, height = image.size  # asking makes Blender load the file
-    if width == 0 or height == 0:
-        file = bpy.path.abspath(image.filepath, library=image.library)
-        raise InputError(place, f'cannot be read from "{file}"', "restore or pack the file")
-    if not image.is_float:
-        raise InputError(place, "has 8 bits a channel", "use an .exr or .hdr, which holds light")
-    pixels = np.empty(width * height * image.channels, dtype=np.float32)
-    image.pixels.foreach_get(pixels)
-    pixels = pixels.reshape(height, width, image.channels)[::-1]
-    if image.channels == 1:
-        pixels = np.repeat(pixels, 3, axis=2)
-    return np.ascontiguousarray(pixels[:, :, :3])
 
 
 def set_sky(scene: bpy.types.Scene, path: str | Path, raw: bool = False) -> bpy.types.World:
@@ -167,12 +163,18 @@ def develop(scene: bpy.types.Scene, matrix) -> bpy.types.World:
 
     The scene gets a copy of its World with that matrix, unless its World has one already; the
     user's own is never edited, and an identity changes nothing. Raises InputError where `sky_of`
-    does, and for an image that Blender converts between colour spaces.
+    does, for a World whose light is not that of one texture, and for an image that Blender converts
+    between colour spaces.
     """
     identity = np.allclose(matrix, np.eye(3), atol=1e-9)
     if identity and _matrix_node(scene.world) is None:
         return scene.world
-    image = sky_of(scene.world).image
+    sky = sky_of(scene.world)
+    image = scene.world.node_tree.nodes[sky.texture].image if sky.texture else None
+    if image is None:
+        raise InputError(
+            f'World "{scene.world.name}"', f"shows no camera's raw numbers: {sky.why}", CURE
+        )
     tag = image.colorspace_settings
     if not (identity or tag.is_data or tag.name == working_space.name()):
         raise InputError(
@@ -185,9 +187,8 @@ def develop(scene: bpy.types.Scene, matrix) -> bpy.types.World:
 
 
 def _shows(world: bpy.types.World | None, path: Path) -> bool:
-    try:
-        image = sky_of(world).image
-    except InputError:
+    image = None if world is None else sky_of(world).image
+    if image is None:
         return False
     file = bpy.path.abspath(image.filepath, library=image.library)
     return image.source == "FILE" and bool(file) and Path(file).resolve() == path
@@ -216,6 +217,8 @@ def _new_world(path: Path, raw: bool) -> bpy.types.World:
 def _matrix_node(world: bpy.types.World) -> bpy.types.Node | None:
     """The Spectral Matrix node that feeds a World's Background, None without."""
     background = sky_of(world).background
+    if background is None:
+        return None
     found = nodes.source(world.node_tree.nodes[background].inputs["Color"])
     if found is None or groups.kind_of(found.node) != spectral_matrix.KIND:
         return None

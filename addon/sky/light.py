@@ -50,6 +50,8 @@ class SkyLight:
     """Count of the HDRI's negative values, which were set to zero."""
     signs: tuple[str, ...] = ()
     """What speaks against the HDRI's numbers being light, a sentence each."""
+    known_elevation: float | None = None
+    """[degrees] of the sun, where the sky is a model that says it; a sun below it is known too."""
 
     @property
     def sun_share(self) -> float:
@@ -57,10 +59,9 @@ class SkyLight:
         return self.sun.share if self.sun else 0.0
 
     def sun_elevation(self, given: float | None = None) -> float | None:
-        """Return the sun's elevation [degrees]: the one given, else the HDRI's own, else None."""
-        if given is not None or self.sun is None:
-            return given
-        return self.sun.elevation
+        """Return the sun's elevation [degrees]: given, else known, else the HDRI's, else None."""
+        found = None if self.sun is None else self.sun.elevation
+        return next((e for e in (given, self.known_elevation, found) if e is not None), None)
 
     @property
     def caption(self) -> str:
@@ -76,9 +77,9 @@ class SkyLight:
         notes = list(self.signs)
         if self.negatives:
             notes.append(f"{self.negatives} negative value(s) were set to zero")
-        if self.sun is None:
+        if self.sun_elevation() is None:
             notes.append("no sun was found: a sky by day is expected; tell a low sun's elevation")
-        elif self.sun.clipped:
+        elif self.sun is not None and self.sun.clipped:
             notes.append("the HDRI clipped the sun: it was brighter than that")
         return notes if self.outside.holds else [*notes, self.outside.verdict]
 

@@ -34,17 +34,19 @@ def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
     world = context.scene.world
     try:
-        image = worlds.sky_of(world).image
+        seen = worlds.sky_of(world)
     except InputError as error:
         paragraph(layout, context, str(error), "ERROR")
         return
-    layout.label(text=f"Sky: {image.name}", icon="IMAGE_DATA")
+    layout.label(text=f"Sky: {seen.name}", icon="WORLD" if seen.image is None else "IMAGE_DATA")
     found = sky_light.description_of(world)
     if found is None:
+        if seen.line:
+            paragraph(layout, context, seen.line, "INFO")
         return
     for note in found.get("notes", ()):
         paragraph(layout, context, note, "INFO")
-    if found.get("image") != image.name or found.get("space") != working_space.name():
+    if found.get("image") != seen.name or found.get("space") != working_space.name():
         paragraph(layout, context, "HDRI or working space have changed: press Update", "ERROR")
 
 

@@ -50,7 +50,8 @@ def test_three_steps_from_top_to_bottom():
 def test_a_world_without_an_HDRI(scene):
     scene.world = bpy.data.worlds.new("Grey")
     text = drawn(panels.SKYLIGHT_PT_sky).text
-    assert 'World "Grey"' in text
+    assert "Sky: Grey" in text
+    assert "the World is baked" in text
     assert "open sky" not in text
     scene.world = None
     assert "has no World" in drawn(panels.SKYLIGHT_PT_sky).text
