@@ -139,7 +139,7 @@ class Long(Thin):
 
 
 def no_sky(context: bpy.types.Context) -> str:
-    """Why the scene's World lights nothing, empty where it has an HDRI."""
+    """Why the scene has no sky, empty where it has a World."""
     from ..scene import world
 
     try:
