@@ -37,21 +37,17 @@ def portrait(material: bpy.types.Material) -> Portrait | None:
 
 
 def sky_key(world: bpy.types.World) -> tuple[Hashable, ...]:
-    """All that the map of a World's sky depends on; the HDRI by its name and size."""
+    """All that the map of a World's sky depends on; the HDRI by its name and size, a baked World by
+    what its last update found."""
     try:
-        image = worlds.sky_of(world).image
+        seen = worlds.sky_of(world)
     except InputError:
         return (world.session_uid,)
     surface = skylight_surface.find(world)
     described = None if surface is None else surface.get(sky_light.DESCRIPTION)
-    return (
-        world.session_uid,
-        image.name_full,
-        image.filepath,
-        tuple(image.size),
-        world.get(settings.SETTINGS),
-        described,
-    )
+    image = seen.image
+    shown = (image.name_full, image.filepath, tuple(image.size)) if image else (seen.line,)
+    return (world.session_uid, *shown, world.get(settings.SETTINGS), described)
 
 
 def expected() -> list[tuple[str, float, float]]:
