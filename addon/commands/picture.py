@@ -41,8 +41,11 @@ def run(options: argparse.Namespace) -> None:
 
 def _of_file(options: argparse.Namespace) -> Any:
     """Draw reflectances of a file under the sky that the options tell."""
+    import numpy as np
+
     from ..pictures.portrait import Portrait, plain
     from ..spectra.reflectance import read_reflectances, split_assignment
+    from ..transfer.prediction import rgb_albedo
 
     if options.material is not None:
         raise InputError("--material", "is for SCENE.blend", f"write {options.source}:COLUMN")
@@ -65,13 +68,16 @@ def _of_file(options: argparse.Namespace) -> Any:
         ours = [choice.error(k)[0] for k in range(len(read.names))]
         rows = zip(read.names, choice.prediction.rgb, ours, strict=True)
         return _draw(options, path.name, errors=list(rows), light=found.light)
+    albedo = rgb_albedo(read.values[0], options.space)
     one = Portrait(
         name=read.names[0],
         reflectance=plain(read.values[0]),
         matrix=plain(choice.matrices[0]),
         spectrum=plain(_spectrum(found)),
         measured=read.measured,
-        space=None if options.camera else options.space,
+        today=plain(
+            np.diag(rgb_albedo(read.values[0], options.space)) @ choice.transfer.to_working
+        ),
     )
     return _draw(options, f"{one.name} ({path.name})", one, light=found.light)
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..transfer.prediction import rgb_albedo
 from .curve import curve
 from .matrix import matrix
 
@@ -19,8 +18,8 @@ class Portrait:
 
     ``name`` of the reflectance (81) in 0 to 1; ``matrix`` (3 x 3); ``spectrum`` (81) of the light
     on level ground, None where it is not known; ``measured`` [nm]: from where to where, None where
-    that is not known; ``estimated``: whether nobody measured it; ``space``: the working space, None
-    where the matrix takes a camera's numbers, which RGB times RGB has no answer to.
+    that is not known; ``estimated``: whether nobody measured it; ``today`` (3 x 3): the matrix that
+    RGB times RGB amounts to.
     """
 
     name: str
@@ -29,7 +28,7 @@ class Portrait:
     spectrum: tuple[float, ...] | None = None
     measured: tuple[float, float] | None = None
     estimated: bool = False
-    space: str | None = None
+    today: tuple[tuple[float, ...], ...] | None = None
 
     def draw_curve(self, **style: Any) -> NDArray[np.uint8]:
         """Draw its reflectance in its light; ``style``: theme and scale of `curve`."""
@@ -43,9 +42,7 @@ class Portrait:
 
     def draw_matrix(self, **style: Any) -> NDArray[np.uint8]:
         """Draw its matrix beside what RGB times RGB has; ``style``: theme and scale of `matrix`."""
-        space = self.space
-        today = None if space is None else np.diag(rgb_albedo(np.array(self.reflectance), space))
-        return matrix(self.matrix, today=today, **style)
+        return matrix(self.matrix, today=self.today, **style)
 
 
 def plain(values: ArrayLike | None) -> Any:

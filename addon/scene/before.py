@@ -77,6 +77,20 @@ def shown_now() -> list[bpy.types.Material]:
     return [material for material in bpy.data.materials if BEFORE in material]
 
 
+def matrices(
+    material: bpy.types.Material, shown: list[list[float]]
+) -> tuple[list[list[float]], list[list[float]] | None]:
+    """Our matrix of a material and the one that RGB times RGB amounts to, whichever is ``shown``.
+
+    The second is None where an earlier version made the material.
+    """
+    kept = json.loads(material.get(OTHER, "{}"))
+    rows = [kept.get(f"surface/{row}") for row in spectral_matrix.ROWS]
+    if not all(rows):
+        return shown, None
+    return (rows, shown) if BEFORE in material else (shown, rows)
+
+
 def _swap(material: bpy.types.Material) -> None:
     kept = json.loads(material[OTHER])
     for role, socket in _sockets(material):

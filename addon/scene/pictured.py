@@ -10,29 +10,29 @@ import bpy
 from ...node_groups import skylight_surface
 from ..errors import InputError
 from ..pictures.portrait import Portrait, plain
-from ..spectra.working_spaces import DEFAULT_SPACE
-from . import materials, settings, sky_light, textures
+from . import before, materials, settings, sky_light, textures
 from . import world as worlds
 
 
 def portrait(material: bpy.types.Material) -> Portrait | None:
     """The numbers of a material, None if it is not managed.
 
-    Files of earlier versions hold no spectrum of the sky and no measured range before an update.
+    Files of earlier versions hold neither the sky's spectrum nor what RGB times RGB has, before an
+    update.
     """
     managed = materials.managed(material)
     if managed is None or "values" not in managed.extra:
         return None
     sky = (sky_light.description_of(managed.world) if managed.world else None) or {}
-    camera = "camera" in sky.get("settings", {})
+    matrix, today = before.matrices(material, managed.matrix)
     return Portrait(
         name=managed.reflectance_name,
         reflectance=plain(managed.extra["values"]),
-        matrix=plain(managed.matrix),
+        matrix=plain(matrix),
         spectrum=plain(sky.get("spectrum")),
         measured=plain(managed.extra.get("measured")),
         estimated=managed.reflectance_name == textures.ESTIMATED,
-        space=None if camera else sky.get("space", DEFAULT_SPACE),
+        today=plain(today),
     )
 
 

@@ -6,7 +6,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from spectral_skylight.addon import cli  # noqa: E402
-from spectral_skylight.addon.scene import files, pictured  # noqa: E402
+from spectral_skylight.addon.scene import before, files, materials, pictured  # noqa: E402
 from spectral_skylight.addon.ui import gallery, pictures  # noqa: E402
 from spectral_skylight.tests.pictures.reading import read_png  # noqa: E402
 from spectral_skylight.tests.ui.stage import drawn, material, write_sky  # noqa: E402
@@ -84,7 +84,17 @@ def test_words_stand_beside_the_curve(applied):
     assert "Measured from 400 to 700 nm" in drawn(pictures.SKYLIGHT_PT_curve).text
     found = pictured.portrait(material())
     assert found.measured == (400.0, 700.0) and len(found.spectrum) == 81
-    assert found.space == "Linear Rec.709" and not found.estimated
+    assert not found.estimated
+
+
+def test_the_matrix_is_ours_also_while_RGB_times_RGB_is_shown(applied):
+    found = pictured.portrait(material())
+    today = np.array(found.today)
+    np.testing.assert_allclose(today, np.diag(np.diag(today)), atol=1e-6)
+    before.show(True)
+    assert materials.managed(material()).matrix == pytest.approx(today, abs=1e-6)
+    assert np.array(pictured.portrait(material()).matrix) == pytest.approx(np.array(found.matrix))
+    assert np.array(pictured.portrait(material()).today) == pytest.approx(today)
 
 
 def test_there_is_none_before_a_material_is_spectral(scene):
