@@ -5,24 +5,24 @@
 import bpy
 
 from ..errors import InputError
-from . import operator, targets
+from . import choice, operator, targets
 
 ENDINGS: tuple[str, ...] = (".cgats", ".cie", ".csv", ".cxf", ".it8", ".json", ".mat", ".sli")
 ENDINGS += (".sp", ".ti3", ".tsv", ".txt")
 """Endings of reflectance files; a test holds them to `spectra.formats`, which loads too much."""
 
 
-class SKYLIGHT_OT_choose_reflectance(operator.Thin, bpy.types.Operator):
-    """Choose the CSV with a material's measured reflectance; it shows once it is applied"""
+class SKYLIGHT_OT_choose_reflectance(choice.Fields, operator.Thin, bpy.types.Operator):
+    """Choose the file with what was measured of a material; it shows once it is applied"""
 
     bl_idname = "skylight.choose_reflectance"
     bl_label = "Choose Reflectance"
 
     filepath: bpy.props.StringProperty(
-        name="CSV", description="Wavelength in nm, then reflectances", subtype="FILE_PATH"
+        name="File", description="Wavelength in nm, then measured values", subtype="FILE_PATH"
     )
-    column: bpy.props.StringProperty(
-        name="Column", description="Empty: the only one, or the one named as the material"
+    kind: bpy.props.EnumProperty(
+        name="Measured", description="What the file holds", items=choice.KINDS
     )
     material: bpy.props.StringProperty(name="Material", description="Empty: the active one")
     filter_glob: bpy.props.StringProperty(
@@ -34,16 +34,20 @@ class SKYLIGHT_OT_choose_reflectance(operator.Thin, bpy.types.Operator):
 
     def run(self, context):
         (material,), _ = targets.editable([targets.named(context, self.material)])
-        choice = material.skylight
-        names = choice.read_names(self.filepath)
+        own = material.skylight
+        told = [name for name in choice.DETAILS if self.properties.is_property_set(name)]
+        names = own.read_names(self.filepath, self.kind if "kind" in told else own.kind)
         if self.column and self.column not in names:
             some = ", ".join(f"'{name}'" for name in names[:8])
             raise InputError(self.filepath, f"no column '{self.column}'", f"there are {some}")
-        choice.filepath = self.filepath
+        for name in told:
+            setattr(own, name, getattr(self, name))
+        own.filepath = self.filepath
         if self.column:
-            choice.column = self.column
-        chosen = f"column {choice.column}" if choice.column else "choose a column"
-        return [("INFO", f"{material.name}: {len(names)} column(s), {chosen}")]
+            own.column = self.column
+        chosen = f"column {own.column}" if own.column else "choose a column"
+        found = f"{len(names)} column(s), {chosen}" if names else "n and k of a metal"
+        return [("INFO", f"{material.name}: {found}")]
 
 
 CLASSES = (SKYLIGHT_OT_choose_reflectance,)
