@@ -75,9 +75,7 @@ def _of_file(options: argparse.Namespace) -> Any:
         matrix=plain(choice.matrices[0]),
         spectrum=plain(_spectrum(found)),
         measured=read.measured,
-        today=plain(
-            np.diag(rgb_albedo(read.values[0], options.space)) @ choice.transfer.to_working
-        ),
+        today=plain(np.diag(albedo) @ choice.transfer.to_working),
     )
     return _draw(options, f"{one.name} ({path.name})", one, light=found.light)
 
