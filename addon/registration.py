@@ -14,14 +14,18 @@ import bpy
 
 from .ui import (
     apply,
+    assign,
     bake,
     choose_reflectance,
+    drop,
     everything,
     gallery,
+    library,
     load_sky,
     material_panel,
     panels,
     pictures,
+    preferences,
     properties,
     remove,
     update,
@@ -31,6 +35,7 @@ from .ui import (
 )
 
 MODULES = (
+    preferences,
     properties,
     load_sky,
     choose_reflectance,
@@ -42,6 +47,9 @@ MODULES = (
     view,
     wheels,
     panels,
+    library,
+    assign,
+    drop,
     material_panel,
     pictures,
 )
@@ -56,10 +64,9 @@ def register() -> None:
         for cls in CLASSES:
             bpy.utils.register_class(cls)
             _undo.append(partial(bpy.utils.unregister_class, cls))
-        properties.attach()
-        _undo.append(properties.detach)
-        watch.attach()
-        _undo.append(watch.detach)
+        for module in (properties, library, watch):
+            module.attach()
+            _undo.append(module.detach)
         _undo.append(gallery.clear)
         command = bpy.utils.register_cli_command("skylight", _command)
         _undo.append(partial(bpy.utils.unregister_cli_command, command))

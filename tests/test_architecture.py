@@ -36,7 +36,7 @@ MODULES_OF = {
     "transfer": {"numpy", "colour", "matplotlib", "scipy", "tqdm"},
     "pictures": {"numpy", "scipy"},
     "node_groups": {"bpy"},
-    "scene": {"bpy", "embreex", "mathutils", "numpy"},
+    "scene": {"bpy", "bpy_extras", "embreex", "mathutils", "numpy"},
     "ui": {"bpy"},
     "registration": {"bpy"},
     "cli": set(),

@@ -1,14 +1,208 @@
 """The library of reflectances in Blender: folders, list, swatches, assigning, dropping files."""
 
+import numpy as np
 import pytest
 
 bpy = pytest.importorskip("bpy")
 
+from spectral_skylight.addon.scene import materials, pick  # noqa: E402
 from spectral_skylight.addon.spectra import formats  # noqa: E402
-from spectral_skylight.addon.ui import choose_reflectance  # noqa: E402
+from spectral_skylight.addon.ui import choose_reflectance, drop, library, preferences, shelf  # noqa: E402
+from spectral_skylight.tests.ui import stage  # noqa: E402
+from spectral_skylight.tests.ui.stage import drawn, error_of, given, material  # noqa: E402
 
 pytestmark = pytest.mark.blender
 
 
-def test_the_file_browser_shows_what_can_be_read():
+@pytest.fixture
+def enabled(scene):
+    """The add-on as if it were enabled in the preferences; gone from there at the end."""
+    entry = bpy.context.preferences.addons.new()
+    entry.module = preferences.ADDON
+    yield preferences.of(bpy.context)
+    bpy.context.preferences.addons.remove(entry)
+    shelf.put(None)
+
+
+@pytest.fixture
+def shown(enabled, tmp_path, brick):
+    """The library with the folder of brick.csv and a broken file."""
+    (tmp_path / "broken.csv").write_text("nm,a\n400,high\n")
+    assert bpy.ops.skylight.add_folder(directory=str(tmp_path)) == {"FINISHED"}
+    return bpy.context.window_manager.skylight_library
+
+
+def choose(name):
+    own = bpy.context.window_manager.skylight_library
+    own.active = next(k for k, row in enumerate(own.spectra) if row.name == name)
+
+
+class Rows(stage.Recorder):
+    """A list that is asked for its filter."""
+
+    bitflag_filter_item = 1 << 30
+
+
+def listed(own):
+    """Names in the order in which the list shows them."""
+    flags, places = library.SKYLIGHT_UL_library.filter_items(Rows(), bpy.context, own, "spectra")
+    order = sorted(range(len(places)), key=places.__getitem__)
+    return [own.spectra[k].name for k in order if flags[k]]
+
+
+def test_endings_are_those_of_the_formats():
     assert choose_reflectance.ENDINGS == formats.ENDINGS
+    assert drop.SKYLIGHT_FH_reflectance.bl_file_extensions.split(";") == list(formats.ENDINGS)
+
+
+def test_the_preferences_belong_to_the_extension_under_whatever_name_it_runs():
+    assert preferences.ADDON == "spectral_skylight"
+    assert "bl_ext.user_default.x.addon.ui".removesuffix(".addon.ui") == "bl_ext.user_default.x"
+
+
+def test_folders_are_shown_with_the_checkers_and_what_is_broken_told(shown, tmp_path, capfd):
+    names = [row.name for row in shown.spectra]
+    assert names[:2] == ["dark skin", "light skin"] and names[-2:] == ["brick", "moss"]
+    (problem,) = shelf.library.problems
+    assert "broken.csv:2" in problem
+    panel = drawn(library.SKYLIGHT_PT_library)
+    assert "skylight.assign_to_active" in panel.operators
+    assert "skylight.library_problems" in panel.operators and "This sky · D65" in panel.text
+    assert len(preferences.folders(bpy.context)) == 1
+    bpy.ops.skylight.add_folder(directory=str(tmp_path))  # a second time it is not there twice
+    assert len(preferences.folders(bpy.context)) == 1
+    capfd.readouterr()
+    bpy.ops.skylight.library_problems()
+    assert "broken.csv:2" in capfd.readouterr().out
+    assert bpy.ops.skylight.remove_folder(number=0) == {"FINISHED"}
+    bpy.ops.skylight.refresh_library()
+    assert [row.name for row in shown.spectra][-1] != "moss"
+    assert "has no folder 7" in error_of(bpy.ops.skylight.remove_folder, number=7)
+    assert "is no folder" in error_of(bpy.ops.skylight.add_folder, directory=str(tmp_path / "none"))
+
+
+def test_search_and_order_as_one_types(shown):
+    shown.search = "MOS"
+    assert listed(shown) == ["moss"]
+    shown.search = "brick.csv"
+    shown.order = "NAME"
+    assert listed(shown) == ["brick", "moss"]
+    shown.order = "HUE"
+    assert listed(shown) == ["brick", "moss"]
+    shown.search = "colorchecker neutral"
+    shown.order = "LIGHTNESS"
+    assert [name.split()[1] for name in listed(shown)] == ["3.5", "5", "6.5", "8"]
+    shown.search = "no such thing"
+    assert listed(shown) == []
+
+
+def test_swatches_under_this_sky_and_under_d65(shown, scene):
+    white = next(row for row in shown.spectra if row.name.startswith("white"))
+    sky, d65 = np.array(white.sky), np.array(white.daylight)
+    assert d65.max() - d65.min() < 0.08 and 0.8 < d65.mean() < 1
+    assert sky[2] > sky[1] > sky[0]  # the sky of the stage is blue
+    brick = shown.spectra[-2]
+    assert brick.name == "brick" and brick.daylight[0] > 2 * brick.daylight[2]
+    lit = shelf.lit_by
+    scene.world = bpy.data.worlds.new("Empty")
+    assert "refresh" in drawn(library.SKYLIGHT_PT_library).text
+    bpy.ops.skylight.refresh_library()
+    assert shelf.under_sky is None and shelf.lit_by != lit
+    assert (
+        tuple(white.sky) == (0, 0, 0)
+        and "the World has no sky" in drawn(library.SKYLIGHT_PT_library).text
+    )
+
+
+def test_assigning_makes_spectral_and_refreshing_keeps_it(shown, tmp_path, capfd):
+    choose("moss")
+    assert bpy.ops.skylight.assign_to_active() == {"FINISHED"}
+    assert given("Wall") == "moss" and given("Roof") is None
+    own = material("Wall").skylight
+    assert (own.column, own.problem) == ("moss", "") and own.filepath.endswith("brick.csv")
+    stage.select("Roof")
+    choose("blue")
+    assert bpy.ops.skylight.assign_to_selected() == {"FINISHED"}
+    assert given("Roof") == "blue" and material("Roof").skylight.filepath.startswith("colour:")
+    before = stage.matrix("Wall")
+    (tmp_path / "moved").mkdir()
+    (tmp_path / "brick.csv").rename(tmp_path / "moved" / "paints.csv")
+    capfd.readouterr()
+    bpy.ops.skylight.refresh_library()
+    assert "Wall: its file is found at" in capfd.readouterr().out
+    assert own.filepath.endswith("paints.csv") and given("Wall") == "moss"
+    np.testing.assert_array_equal(stage.matrix("Wall"), before)
+    file = tmp_path / "moved" / "paints.csv"
+    file.write_text(file.read_text().replace("0.300", "0.290"))
+    bpy.ops.skylight.refresh_library()
+    assert "has changed since it was applied" in capfd.readouterr().out
+    np.testing.assert_array_equal(stage.matrix("Wall"), before)
+    file.unlink()
+    bpy.ops.skylight.refresh_library()
+    assert "Wall keeps what it was given, but" in capfd.readouterr().out
+    np.testing.assert_array_equal(stage.matrix("Wall"), before)
+    assert bpy.ops.skylight.update() == {"FINISHED"}
+
+
+def test_without_a_sky_the_choice_is_kept_ready(shown, scene):
+    scene.world = None
+    choose("brick")
+    assert bpy.ops.skylight.assign_to_active() == {"FINISHED"}
+    assert given("Wall") is None and material("Wall").skylight.column == "brick"
+
+
+def test_nothing_of_the_library_lies_in_a_file(shown, tmp_path):
+    path = tmp_path / "saved.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), compress=False)
+    assert b"neutral 6.5" not in path.read_bytes()
+
+
+def test_a_list_without_its_library_asks_for_it(enabled):
+    shelf.put(None)
+    assert "skylight.refresh_library" in drawn(library.SKYLIGHT_PT_library).operators
+    with pytest.raises(RuntimeError, match="Show the library"):
+        bpy.ops.skylight.assign_to_active()
+
+
+def test_dropping_a_file_of_one_column(scene, tmp_path, brick):
+    lines = (tmp_path / "brick.csv").read_text().splitlines()
+    one = tmp_path / "one.csv"
+    one.write_text("\n".join(line.rpartition(",")[0] for line in lines))
+    assert bpy.ops.skylight.drop_reflectance(filepath=str(one)) == {"FINISHED"}
+    assert given("Wall") == "brick"
+    assert bpy.ops.skylight.drop_reflectance(filepath=str(one), object="Roof") == {"FINISHED"}
+    assert given("Roof") == "brick"
+
+
+def test_dropping_a_file_of_many(scene, tmp_path, brick):
+    said = error_of(bpy.ops.skylight.drop_reflectance, filepath=brick)
+    assert "holds 2 materials" in said and "'brick', 'moss'" in said
+    assert "is not named" in error_of(bpy.ops.skylight.drop_reflectance)
+    assert bpy.ops.skylight.drop_reflectance(filepath=brick, column="moss") == {"FINISHED"}
+    assert given("Wall") == "moss"
+
+
+def test_dropping_on_an_object_without_a_material_makes_one(scene, brick):
+    obj = bpy.data.objects.new("Bare", bpy.data.meshes.new("Bare"))
+    scene.collection.objects.link(obj)
+    bpy.ops.skylight.drop_reflectance(filepath=brick, column="moss", object="Bare")
+    assert obj.material_slots[0].material.name == "moss"
+    assert materials.managed(obj.material_slots[0].material).reflectance_name == "moss"
+
+
+def test_what_is_under_the_mouse(scene):
+    """A plane of two faces with a material each, seen from above."""
+    mesh = bpy.data.meshes.new("Floor")
+    corners = [(x, y, 0) for x in (0, 1, 2) for y in (0, 1)]
+    mesh.from_pydata(corners, [], [(0, 2, 3, 1), (2, 4, 5, 3)])
+    for name in ("Wall", "Roof"):
+        mesh.materials.append(material(name))
+    mesh.polygons[1].material_index = 1
+    floor = bpy.data.objects.new("Floor", mesh)
+    scene.collection.objects.link(floor)
+    bpy.context.view_layer.update()
+    assert pick.along(bpy.context, (0.5, 0.5, 5), (0, 0, -1)) == (floor, 0)
+    assert pick.along(bpy.context, (1.5, 0.5, 5), (0, 0, -1)) == (floor, 1)
+    assert pick.along(bpy.context, (9, 9, 5), (0, 0, -1)) is None
+    assert pick.material_in(floor, 1, "new") == material("Roof")
+    assert pick.under_mouse(bpy.context, 10, 10) is None  # no view here

@@ -1,0 +1,41 @@
+"""What many reflectances would look like under a World's sky, to choose among them."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..transfer.prediction import rgb_albedo
+from ..transfer.swatches import under_sky
+from . import sky_light, spectral, working_space
+from . import world as worlds
+
+
+def colours(
+    world: bpy.types.World, settings: spectral.Settings, reflectances: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return what reflectances (m, 81) show on level ground, (m, 3), the diffuser's luminance 1.
+
+    RGB in the file's working space. Raises InputError as `spectral.make_spectral` does.
+    """
+    light = spectral.analysed(world, settings)
+    return under_sky(settings.transfer(light), reflectances, light.faces[0])
+
+
+def daylight(reflectances: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the same under D65, white (1, 1, 1)."""
+    return rgb_albedo(reflectances, working_space.name())
+
+
+def sky_key(world: bpy.types.World | None) -> str:
+    """Return what tells whether a World's sky, or the working space, is another one than before."""
+    if world is None:
+        return ""
+    try:
+        image = worlds.sky_of(world).image.name_full
+    except InputError:
+        return ""
+    surface = sky_light.description_of(world) or {}
+    return f"{world.name_full} {image} {working_space.name()} {surface.get('settings', '')}"

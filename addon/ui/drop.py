@@ -1,0 +1,105 @@
+"""Dropping a file of reflectances on the 3D view gives it to the material under the mouse."""
+
+# mypy: disable-error-code="valid-type"
+
+import bpy
+
+from ..errors import InputError
+from . import apply, assign, targets
+from .choose_reflectance import ENDINGS
+
+_items: dict[str, list[tuple[str, str, str]]] = {}
+"""Of each dropped file the columns to choose from: Blender keeps no copy of their text."""
+
+
+def _columns(self, context):
+    return _items.get(self.filepath, [])
+
+
+class SKYLIGHT_OT_drop_reflectance(apply.Apply, bpy.types.Operator):
+    """Give the material under the mouse, or the active one, a reflectance from the dropped file"""
+
+    bl_idname = "skylight.drop_reflectance"
+    bl_label = "Assign Reflectance"
+    bl_property = "chosen"
+
+    filepath: bpy.props.StringProperty(
+        name="File", description="Measured reflectances", subtype="FILE_PATH", options={"SKIP_SAVE"}
+    )
+    material: bpy.props.StringProperty(
+        name="Material", description="Empty: that of the object, else the active one"
+    )
+    object: bpy.props.StringProperty(name="Object", options={"SKIP_SAVE"})
+    slot: bpy.props.IntProperty(name="Material Slot", min=0, options={"SKIP_SAVE"})
+    chosen: bpy.props.EnumProperty(
+        name="Column", description="Which of the file's", items=_columns, options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def hindrance(cls, context):
+        return ""
+
+    def invoke(self, context, event):
+        """Look what is under the mouse; of many columns let one be chosen."""
+        from ..scene import pick
+
+        found = pick.under_mouse(context, event.mouse_region_x, event.mouse_region_y)
+        if found is not None:
+            self.object, self.slot = found[0].name, found[1]
+        try:
+            names = self._names()
+        except InputError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        if len(names) > 1 and not self.column:
+            _items[self.filepath] = [(name, name, "") for name in names]
+            context.window_manager.invoke_search_popup(self)
+            return {"RUNNING_MODAL"}
+        return self.execute(context)
+
+    def run(self, context):
+        if not self.filepath:
+            raise InputError("the file", "is not named", "drop one, or give its filepath")
+        if not self.column and self.properties.is_property_set("chosen"):
+            self.column = self.chosen
+        if not self.column:
+            names = self._names()
+            if len(names) > 1:
+                some = ", ".join(f"'{name}'" for name in names[:8])
+                raise InputError(
+                    self.filepath, f"holds {len(names)} materials", f"name a column: {some}"
+                )
+            self.column = names[0]
+        return assign.give(self, context)
+
+    def targets(self, context):
+        from ..scene import pick
+
+        obj = context.scene.objects.get(self.object) if not self.material else None
+        if obj is None and not self.material and targets.active(context) is None:
+            obj = context.view_layer.objects.active
+        if obj is not None and hasattr(obj.data, "materials"):
+            return [pick.material_in(obj, self.slot, self.column)]
+        return [targets.named(context, self.material)]
+
+    def _names(self):
+        from ..spectra import formats
+
+        return formats.read(bpy.path.abspath(self.filepath)).names
+
+
+class SKYLIGHT_FH_reflectance(bpy.types.FileHandler):
+    """Tells Blender which files can be dropped."""
+
+    bl_idname = "SKYLIGHT_FH_reflectance"
+    bl_label = "Measured Reflectance"
+    bl_import_operator = "skylight.drop_reflectance"
+    bl_file_extensions = ";".join(ENDINGS)
+
+    @classmethod
+    def poll_drop(cls, context):
+        """Whether it can be dropped here."""
+        return context.area is not None and context.area.type == "VIEW_3D"
+
+
+CLASSES = (SKYLIGHT_OT_drop_reflectance, SKYLIGHT_FH_reflectance)

@@ -1,0 +1,204 @@
+"""The library of reflectances: a list to search, with swatches under this sky and under D65."""
+
+# mypy: disable-error-code="valid-type"
+
+import bpy
+
+from . import operator, preferences, readout, shelf, wheels
+
+ROWS = 8
+TOLD = 40
+"""Problems that a pop-up has room for."""
+
+ORDERS = (
+    ("NAME", "Name", "By name"),
+    ("HUE", "Hue", "By hue under D65, neutral ones last"),
+    ("LIGHTNESS", "Lightness", "From dark to light"),
+    ("SOURCE", "Source", "By folder and file"),
+)
+
+
+class SkylightSpectrum(bpy.types.PropertyGroup):
+    """One reflectance of the library; all but its name lies on the shelf."""
+
+    number: bpy.props.IntProperty()
+    sky: bpy.props.FloatVectorProperty(
+        name="Under This Sky",
+        description="Its colour on level ground under this sky; a white diffuser has luminance 1",
+        subtype="COLOR",
+        get=lambda self: shelf.colour(shelf.under_sky, self.number),
+        set=lambda self, value: None,  # Blender draws a read-only colour dimmed: another colour
+    )
+    daylight: bpy.props.FloatVectorProperty(
+        name="Under D65",
+        description="Its colour under D65: what colour samples are compared in",
+        subtype="COLOR",
+        get=lambda self: shelf.colour(shelf.daylight, self.number),
+        set=lambda self, value: None,
+    )
+
+
+class SkylightLibrary(bpy.types.PropertyGroup):
+    """What of the library is shown, as `window_manager.skylight_library`: in no file."""
+
+    spectra: bpy.props.CollectionProperty(type=SkylightSpectrum)
+    active: bpy.props.IntProperty(name="Reflectance")
+    search: bpy.props.StringProperty(
+        name="Search",
+        description="Words that name, kind or file of a reflectance must all have",
+        options={"TEXTEDIT_UPDATE"},
+    )
+    order: bpy.props.EnumProperty(name="Order", description="How it is sorted", items=ORDERS)
+
+
+class SKYLIGHT_UL_library(bpy.types.UIList):
+    """Rows: the colour under this sky, that under D65, the name, where it is from."""
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        split = layout.split(factor=0.24)
+        swatches = split.row(align=True)
+        if shelf.under_sky is not None:
+            swatches.prop(item, "sky", text="")
+        swatches.prop(item, "daylight", text="")
+        split.label(text=item.name, translate=False)
+
+    def draw_filter(self, context, layout):
+        """Nothing: search and order stand above the list."""
+
+    def filter_items(self, context, data, name):
+        found, places = shelf.shown(data.search, data.order)
+        return [self.bitflag_filter_item if each else 0 for each in found], places
+
+
+class SKYLIGHT_OT_refresh_library(operator.Long, bpy.types.Operator):
+    """Read the library's folders, and show its colours under this sky; what materials were given \
+stays. Esc ends it"""
+
+    bl_idname = "skylight.refresh_library"
+    bl_label = "Refresh Library"
+    doing = "Reading"
+
+    def work(self, context):
+        from ..spectra import library
+
+        found = yield from library.index(preferences.folders(context))
+        return library.checkers() + found
+
+    def finish(self, context, done):
+        from . import assignments
+
+        if done is None:
+            return [("WARNING", "ended before it was done: what was read is not read again")]
+        shelf.put(done)
+        shelf.light(context)
+        own = context.window_manager.skylight_library
+        own.spectra.clear()
+        for number, name in enumerate(done.names):
+            row = own.spectra.add()
+            row.name, row.number = name, number
+        own.active = min(own.active, max(len(done) - 1, 0))
+        unused = f", {len(done.problems)} cannot be used" if done.problems else ""
+        return [*assignments.refresh(done), ("INFO", f"{len(done)} reflectances{unused}")]
+
+
+class SKYLIGHT_OT_library_problems(bpy.types.Operator):
+    """Show which files and spectra of the library cannot be used, and why"""
+
+    bl_idname = "skylight.library_problems"
+    bl_label = "What Cannot Be Used"
+
+    def invoke(self, context, event):
+        """Open the list."""
+        return context.window_manager.invoke_popup(self, width=900)
+
+    def draw(self, context):
+        """A line each."""
+        problems = shelf.library.problems if shelf.library is not None else ()
+        for line in problems[:TOLD]:
+            self.layout.label(text=line, translate=False)
+        if len(problems) > TOLD:
+            self.layout.label(text=f"and {len(problems) - TOLD} more")
+
+    def execute(self, context):
+        """Tell them to the log."""
+        for line in shelf.library.problems if shelf.library is not None else ():
+            self.report({"WARNING"}, line)
+        return {"FINISHED"}
+
+
+class SKYLIGHT_PT_library(bpy.types.Panel):
+    """Measured reflectances to choose from."""
+
+    bl_label = "Library of Reflectances"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Skylight"
+    bl_parent_id = "SKYLIGHT_PT_materials"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 22
+
+    @classmethod
+    def poll(cls, context):
+        return not wheels.missing()
+
+    def draw(self, context):
+        layout = self.layout
+        own = context.window_manager.skylight_library
+        number = shelf.chosen(context)
+        if number is None:
+            text = "Colour checkers, and the measured materials in your folders"
+            readout.paragraph(layout, context, text)
+            layout.operator("skylight.refresh_library", text="Show Library", icon="ASSET_MANAGER")
+        else:
+            _list(layout, context, own)
+            _about(layout, context, number)
+        preferences.draw_folders(layout, context)
+
+
+def _list(layout, context, own) -> None:
+    from ..scene import under_sky
+
+    row = layout.row(align=True)
+    row.prop(own, "search", text="", icon="VIEWZOOM")
+    row.prop(own, "order", text="")
+    row.operator("skylight.refresh_library", text="", icon="FILE_REFRESH")
+    lit = shelf.under_sky is not None
+    layout.label(text="This sky · D65" if lit else "D65: the World has no sky")
+    layout.template_list("SKYLIGHT_UL_library", "", own, "spectra", own, "active", rows=ROWS)
+    if under_sky.sky_key(context.scene.world) != shelf.lit_by:
+        readout.paragraph(layout, context, "The sky has changed: refresh the swatches", "INFO")
+
+
+def _about(layout, context, number: int) -> None:
+    found = shelf.library
+    box = layout.box()
+    box.label(text=found.names[number], icon="MATERIAL", translate=False)
+    for line in (found.classes[number], found.sources[number]):
+        if line:
+            readout.paragraph(box, context, line)
+    row = layout.row(align=True)
+    row.operator("skylight.assign_to_active")
+    row.operator("skylight.assign_to_selected")
+    if found.problems:
+        text = f"{len(found.problems)} Cannot Be Used..."
+        layout.operator("skylight.library_problems", text=text, icon="ERROR")
+
+
+CLASSES = (
+    SkylightSpectrum,
+    SkylightLibrary,
+    SKYLIGHT_UL_library,
+    SKYLIGHT_OT_refresh_library,
+    SKYLIGHT_OT_library_problems,
+    SKYLIGHT_PT_library,
+)
+
+
+def attach() -> None:
+    """Give the window manager what is shown of the library."""
+    bpy.types.WindowManager.skylight_library = bpy.props.PointerProperty(type=SkylightLibrary)
+
+
+def detach() -> None:
+    """Take it off again."""
+    del bpy.types.WindowManager.skylight_library
