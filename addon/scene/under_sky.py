@@ -34,8 +34,8 @@ def sky_key(world: bpy.types.World | None) -> str:
     if world is None:
         return ""
     try:
-        image = worlds.sky_of(world).image.name_full
+        name = worlds.sky_of(world).name
     except InputError:
         return ""
     surface = sky_light.description_of(world) or {}
-    return f"{world.name_full} {image} {working_space.name()} {surface.get('settings', '')}"
+    return f"{world.name_full} {name} {working_space.name()} {surface.get('settings', '')}"

@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from ..errors import InputError
-from . import choice
+from . import choice, watch
 
 
 def refresh(library: Any) -> list[tuple[str, str]]:
@@ -17,34 +17,32 @@ def refresh(library: Any) -> list[tuple[str, str]]:
     `spectra.library.Library`. Returns (level, line) pairs.
     """
     from ..scene import materials
-    from ..spectra.reflectance import reflectance_hash
 
-    lines = []
-    for material in bpy.data.materials:
-        own, managed = material.skylight, materials.managed(material)
-        if managed is None or not own.filepath or own.kind != "REFLECTANCE":
-            continue
-        try:
-            now = reflectance_hash(choice.read(own, material).values)
-        except InputError as error:
-            lines.append(_follow(material, managed.reflectance_hash, library, str(error)))
-            continue
-        if now != managed.reflectance_hash:
-            said = f"{own.filepath} has changed since it was applied: apply it to take it over"
-            lines.append(("WARNING", f"{material.name}: {said}"))
-    return lines
+    managed = materials.managed_materials()
+    lines = [("INFO", line) for material in managed if (line := _follow(material, library))]
+    changed, lost = choice.changed_files(managed)
+    watch.found_files(changed)
+    lines += [("WARNING", f"{material.name}: {line}") for material, line in changed.items()]
+    return [*lines, *(("WARNING", line) for line in lost)]
 
 
-def _follow(material: bpy.types.Material, was: str, library: Any, error: str) -> tuple[str, str]:
-    """Find what a material was given elsewhere in the library, and choose it there."""
+def _follow(material: bpy.types.Material, library: Any) -> str:
+    """Choose what a material was given where the library has it now, if it is gone; say so."""
     from ..scene import materials
 
+    own, managed = material.skylight, materials.managed(material)
+    if managed is None or not own.filepath or own.kind != "REFLECTANCE":
+        return ""
     try:
-        number = library.hashes.index(was)
+        choice.read(own, material)
+        return ""
+    except InputError:
+        pass
+    try:
+        number = library.hashes.index(managed.reflectance_hash)
         materials.check_editable(material)
     except (ValueError, InputError):
-        return ("WARNING", f"{material.name} keeps what it was given, but {error}")
-    own = material.skylight
+        return ""
     own.filepath = library.paths[number]
     own.column = library.names[number]
-    return ("INFO", f"{material.name}: its file is found at {own.filepath}")
+    return f"{material.name}: its file is found at {own.filepath}"
