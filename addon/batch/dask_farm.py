@@ -82,6 +82,11 @@ class DaskPool:
 
     def __init__(self, client: Client, name: str) -> None:
         self._client, self._name = client, name
+        self.note: Callable[[Task, dict[str, Any]], None] = lambda task, answer: None
+        self._away: dict[Future, Sequence[Task]] = {}
+        self._done: queue.SimpleQueue[Future] = queue.SimpleQueue()
+        self._able: dict[str, int] = {}
+        self._asked = -PATIENCE
 
         # No function of the module: Dask would send that by its name.
         def render(lines: Sequence[str]) -> list[dict[str, Any]]:
@@ -89,18 +94,19 @@ class DaskPool:
             return blenders.render(lines)
 
         self._render = render
-        self.note: Callable[[Task, dict[str, Any]], None] = lambda task, answer: None
-        self._away: dict[Future, Sequence[Task]] = {}
-        self._done = distributed.as_completed(loop=client.loop)
-        self._blenders, self._asked = 0, -PATIENCE
 
-    def workers(self) -> int:
-        """Blenders that can render now, as of the last seconds."""
-        if time.monotonic() - self._asked > 5:
-            workers = self._client.scheduler_info(n_workers=-1)["workers"].values()
-            self._blenders = round(sum(w["resources"].get(self._name, 0) for w in workers))
-            self._asked = time.monotonic()
-        return self._blenders
+    def workers(self, age: float = 5.0) -> int:
+        """Return how many Blenders can render, as of the last ``age`` seconds."""
+        if time.monotonic() - self._asked >= age:
+            workers = self._client.scheduler_info(n_workers=-1)["workers"]
+            offers = {at: round(w["resources"].get(self._name, 0)) for at, w in workers.items()}
+            before, now = self._able, {at: count for at, count in offers.items() if count}
+            self._asked, self._able = time.monotonic(), now or before
+            if now and before and before.keys().isdisjoint(now):
+                self._send_again()
+            if not now:
+                return 0
+        return sum(self._able.values())
 
     def room(self) -> int:
         """One chunk for each Blender, and one in its hand."""
@@ -109,13 +115,18 @@ class DaskPool:
     def submit(self, chunk: Sequence[Task]) -> None:
         """Send a chunk to the scheduler."""
         lines = [task.line() for task in chunk]
-        future = self._client.submit(self._render, lines, pure=False, resources={self._name: 1})
+        wanted = {self._name: 1}
+        future = self._client.submit(self._render, lines, pure=False, resources=wanted)
         self._away[future] = chunk
-        self._done.add(future)
+        future.add_done_callback(self._done.put)
 
     def finished(self) -> tuple[Sequence[Task], Sequence[dict[str, Any]]]:
         """Wait for a chunk; all of its pictures failed where Dask gave it up."""
-        future = next(self._done)
+        future = None
+        while future not in self._away:
+            self.workers()
+            with contextlib.suppress(queue.Empty):
+                future = self._done.get(timeout=1)
         chunk = self._away.pop(future)
         try:
             answers = future.result()
@@ -126,6 +137,16 @@ class DaskPool:
         for task, answer in zip(chunk, answers, strict=True):
             self.note(task, answer)
         return chunk, answers
+
+    def _send_again(self) -> None:
+        """Send again what waits for workers that are all gone.
+
+        Dask looks at such work when a worker comes, before that offers what the work asks for.
+        """
+        chunks = list(self._away.values())
+        self.cancel()
+        for chunk in chunks:
+            self.submit(chunk)
 
     def cancel(self) -> None:
         """Take back all that is not done."""
@@ -168,7 +189,7 @@ def dask_pool(
             except Exception as error:  # of one worker: others may do, see below
                 trouble = f": {error}"
             end = time.monotonic() + patience
-            while pool.workers() == 0:
+            while pool.workers(age=0) == 0:
                 if time.monotonic() > end:
                     count = len(client.scheduler_info(n_workers=-1)["workers"])
                     raise InputError(
@@ -177,7 +198,6 @@ def dask_pool(
                         "start dask worker where Blender and the plan's folder are",
                     )
                 time.sleep(0.2)
-                pool._asked = -PATIENCE
             yield pool
         finally:
             pool.cancel()
