@@ -23,6 +23,7 @@ from .ui import (
     library,
     load_sky,
     material_panel,
+    menu,
     panels,
     pictures,
     preferences,
@@ -51,6 +52,7 @@ MODULES = (
     assign,
     drop,
     material_panel,
+    menu,
     pictures,
 )
 CLASSES: tuple[type, ...] = tuple(cls for module in MODULES for cls in module.CLASSES)
@@ -64,7 +66,7 @@ def register() -> None:
         for cls in CLASSES:
             bpy.utils.register_class(cls)
             _undo.append(partial(bpy.utils.unregister_class, cls))
-        for module in (properties, library, watch):
+        for module in (properties, library, menu, watch):
             module.attach()
             _undo.append(module.detach)
         _undo.append(gallery.clear)

@@ -21,7 +21,8 @@ def paragraph(
     """A sentence over as many lines as the panel's width asks for."""
     width = context.region.width if context.region else 600
     scale = context.preferences.system.ui_scale or 1.0  # 0 without a window
-    characters = max(20, int((width / scale - 45) / CHARACTER))
+    margins = 45 if icon == "NONE" else 70  # the tabs' names and the icon among them
+    characters = max(20, int((width / scale - margins) / CHARACTER))
     column = layout.column(align=True)
     for number, line in enumerate(textwrap.wrap(text, characters)):
         column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)

@@ -12,14 +12,11 @@ import bpy
 
 from . import readout
 
-NEEDED = {
-    "colour": "colour-science==0.4.6",
-    "scipy": "scipy",
-    "OpenEXR": "OpenEXR",
-    "tqdm": "tqdm",
-    "typing_extensions": "typing-extensions",
-}
-"""Module and what pip installs it by."""
+NEEDED = {"colour": "colour-science", "scipy": "scipy", "OpenEXR": "OpenEXR"}
+"""Module and what pip and people call it."""
+
+ALSO = "tqdm typing-extensions"
+"""What these need in turn, beside numpy."""
 
 PYTHONS = ((3, 11), (3, 13))
 """Of Blender's own builds; the zips have wheels for these."""
@@ -31,7 +28,7 @@ def missing() -> str:
 
     Looked up once a session (modules are found, not imported), for panels ask at every redraw.
     """
-    names = [name.partition("=")[0] for module, name in NEEDED.items() if not _found(module)]
+    names = [name for module, name in NEEDED.items() if not _found(module)]
     if not names:
         return ""
     python = "{}.{}".format(*sys.version_info)
@@ -42,12 +39,12 @@ def missing() -> str:
         )
     else:
         cure = (
-            f"no zip brings them for this Blender's Python {python}, so press Copy Command, run it "
+            f"no zip brings them for Python {python}, so press Copy Command, run what it copied "
             "in a terminal"
         )
     return (
-        f"{', '.join(names)} missing: {cure}, then restart Blender; "
-        "finished files render without them"
+        f"{' and '.join(names)} missing: {cure}, then restart Blender; "
+        "finished files render without"
     )
 
 
@@ -59,7 +56,7 @@ def command() -> str:
     if not missing() or sys.version_info[:2] in PYTHONS:
         return ""
     folder = bpy.utils.user_resource("SCRIPTS", path="modules")
-    packages = " ".join(NEEDED.values())
+    packages = " ".join([*NEEDED.values(), ALSO])
     return f'"{sys.executable}" -m pip install --no-deps --target "{folder}" {packages}'
 
 
