@@ -137,7 +137,7 @@ def check(content: bytes, width: int, height: int, note: str = "") -> None:
     """Decode a picture to its last scanline; ValueError says what is wrong with it."""
     try:
         found = (_check_png if content[:4] == b"\x89PNG" else _check_exr)(content, width, height)
-    except (struct.error, zlib.error, IndexError) as error:
+    except (struct.error, zlib.error, LookupError, OverflowError) as error:
         raise ValueError(f"it is cut short or damaged ({error})") from None
     if note and found != note:
         raise ValueError("it was made from other data")
