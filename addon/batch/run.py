@@ -70,11 +70,10 @@ def run(
                     line = {**answer, "key": task.key}
                     log.write(json.dumps(line, ensure_ascii=False) + "\n")
                     log.flush()
-                if status != "failed":
-                    noted.add(task.index)
-                    outcome.rendered += status == "rendered"
-                    outcome.skipped += status == "skipped"
-                    tell(outcome, clock.left(outcome))
+                noted.add(task.index)
+                outcome.rendered += status == "rendered"
+                outcome.skipped += status == "skipped"
+                tell(outcome, clock.left(outcome))
             if answer.get("no_space"):
                 raise NoSpace(answer["error"])
 
@@ -83,13 +82,12 @@ def run(
         work = chunks(read_tasks(plan), size, outcome.total, workers)
         try:
             for task, answer in dispatch(work, pool):
+                if task.index not in noted:
+                    note(task, answer)
+                noted.discard(task.index)
                 if answer["status"] == "failed":
                     outcome.failures.append(answer["error"])
                     tell(outcome, clock.left(outcome))
-                elif task.index in noted:
-                    noted.discard(task.index)
-                else:
-                    note(task, answer)
         except NoSpace as stop:
             outcome.stopped = str(stop)
     return outcome
