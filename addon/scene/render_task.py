@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import errno
 import json
 import os
 import queue
@@ -87,9 +88,9 @@ def picture(scene: Any, exr: Path, camera: Any, engine: str | None = None, note:
             part = part_of(path)
             try:
                 result.save_render(str(part), scene=scene)
-                content = without_times(part.read_bytes())
+                content = part.read_bytes()
                 check(content, width, height, note)
-                part.write_bytes(content)
+                part.write_bytes(without_times(content))
                 part.replace(path)
             finally:
                 part.unlink(missing_ok=True)
@@ -293,9 +294,8 @@ def perform(task: dict[str, Any], root: Path, threads: int = 0) -> dict[str, Any
         if whole(exr, width, height, task["key"]):
             return {**answer, "status": "skipped", "seconds": time.monotonic() - start}
         exr.parent.mkdir(parents=True, exist_ok=True)
-        needed = 20 * width * height + (1 << 20)
-        if shutil.disk_usage(exr.parent).free < needed:
-            raise OSError(28, "No space left on device")
+        if _full(exr.parent, width, height):
+            raise OSError(errno.ENOSPC, "less than a picture may take")
         _open(root / task["blend"])
         scene = bpy.data.scenes[task["scene"]]
         camera = scene.objects.get(task["camera"])
@@ -305,11 +305,22 @@ def perform(task: dict[str, Any], root: Path, threads: int = 0) -> dict[str, Any
         picture(scene, exr, camera, task["engine"], task["key"])
     except Exception as error:  # whatever it is, the other tasks go on
         reason = " ".join(str(error).split()) or type(error).__name__
-        answer["no_space"] = getattr(error, "errno", None) in (28, 122)  # ENOSPC, EDQUOT
+        code = getattr(error, "errno", None)
+        full = code in (errno.ENOSPC, errno.EDQUOT) or _full(exr.parent, width, height)
+        answer["no_space"] = full
+        reason = f"no space left on the disk ({reason})" if full else reason
         answer |= {"status": "failed", "error": f"{exr}: {reason}"}
     else:
         answer["status"] = "rendered"
     return {**answer, "seconds": time.monotonic() - start}
+
+
+def _full(folder: Path, width: int, height: int) -> bool:
+    """Whether a picture's two files might find no room."""
+    try:
+        return shutil.disk_usage(folder).free < 20 * width * height + (1 << 20)
+    except OSError:
+        return False
 
 
 def _set_up(scene: Any, task: dict[str, Any], threads: int) -> None:

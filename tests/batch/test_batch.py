@@ -237,7 +237,7 @@ def test_no_space_is_seen_before_rendering(alone, office, monkeypatch):
     task = json.loads(tasks(office, "alone")[0].line()) | {"exr": "pictures/none.exr"}
     answer = render_task.perform(task, office / "alone")
     assert answer["status"] == "failed" and answer["no_space"]
-    assert "No space left" in answer["error"]
+    assert "no space left" in answer["error"]
 
 
 def shutil_usage(free):
