@@ -1,6 +1,5 @@
 """Dask's workers render a plan: for real, on this machine, one of them killed half-way."""
 
-import contextlib
 import json
 import os
 import signal
@@ -18,6 +17,7 @@ pytest.importorskip("distributed")
 from spectral_skylight.addon.batch import dask_farm  # noqa: E402
 from spectral_skylight.addon.cli import main  # noqa: E402
 from spectral_skylight.addon.errors import InputError  # noqa: E402
+from spectral_skylight.tests.batch.dask_cluster import Cluster  # noqa: E402
 from spectral_skylight.tests.batch.small_plan import copy_plan, files, small_plan  # noqa: E402
 
 pytestmark = [
@@ -26,37 +26,6 @@ pytestmark = [
     pytest.mark.skipif(bpy.app.version < (5, 1), reason="one for all Blenders: in the newest"),
     pytest.mark.skipif(os.name == "nt", reason="kill -9 and Ctrl-C of a process are POSIX's"),
 ]
-
-
-class Cluster:
-    """A scheduler and workers, each a process of its own, on the loopback address."""
-
-    def __init__(self, folder, environment):
-        self.file, self.environment, self.processes = folder / "scheduler.json", environment, []
-        self.start("scheduler", "--port", "0", "--scheduler-file", self.file)
-        while not self.file.exists() or not self.file.read_text():
-            time.sleep(0.1)
-        self.address = json.loads(self.file.read_text())["address"]
-
-    def start(self, what, *arguments):
-        command = [sys.executable, "-m", f"distributed.cli.dask_{what}", *map(str, arguments)]
-        command += ["--host", "127.0.0.1", "--no-dashboard"]
-        log = (self.file.parent / f"{what} {len(self.processes)}.log").open("wb")
-        with log:
-            process = subprocess.Popen(command, env=self.environment, stdout=log, stderr=log)
-        self.processes.append(process)
-        return process
-
-    def worker(self):
-        return self.start("worker", self.address, "--nthreads", "1", "--no-nanny")
-
-    def end(self):
-        for process in self.processes:
-            process.terminate()
-        for process in self.processes:
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(2)
-            process.kill()
 
 
 @pytest.fixture(scope="module")

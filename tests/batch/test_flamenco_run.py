@@ -4,6 +4,7 @@ import http.server
 import json
 import os
 import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -156,6 +157,31 @@ def test_a_task_fails_for_one_picture_and_renders_the_others(plan, blender, tmp_
     assert done.returncode == 1
     assert "camera nobody has" in done.stdout
     assert sorted(files(there)) == [f"dawn/dawn_{n}.{e}" for n in (0, 2) for e in ("exr", "png")]
+
+
+def test_a_job_for_other_ways_to_a_manager(plan, capsys):
+    """Without --manager nothing is sent: the job is printed, and where its type belongs."""
+    assert main(["batch", "flamenco", str(plan), "--workers", "2", "--report"]) == 0
+    said = capsys.readouterr()
+    job = json.loads(said.out)
+    assert job["settings"] == {"plan": str(plan), "pictures": "0-2/2,3-5/1", "report": True}
+    assert {"name", "type", "priority", "submitter_platform"} <= job.keys()
+    assert str(manager.SCRIPT) in said.err
+
+
+def test_what_cannot_be_submitted_is_said(plan, tmp_path, capsys):
+    bare = tmp_path / "plan.jsonl"
+    shutil.copy(plan, bare)
+    for arguments, said in (
+        ([str(bare)], "prepared/dawn.blend is not prepared; batch plan STUDY.toml --prepare"),
+        ([str(tmp_path / "none.jsonl")], "cannot be read"),
+        ([str(plan), "--together", "0"], "--together: 0 are none; use 1 or more"),
+        ([str(plan), "--workers", "-1"], "--workers: -1 are none; use 1 or more"),
+        ([str(plan), "--manager", "manager:8080"], '"manager:8080" is no address'),
+    ):
+        assert main(["batch", "flamenco", *arguments]) == 2
+        error = capsys.readouterr().err
+        assert said in error and error.count("\n") == 1
 
 
 def test_what_a_manager_may_answer_is_said(plan, tmp_path):
