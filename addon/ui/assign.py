@@ -25,8 +25,13 @@ class Assign(apply.Apply):
         number = shelf.chosen(context)
         found = shelf.library
         self.filepath, self.column = found.paths[number], found.names[number]
-        self.kind = "GLASS" if found.classes[number].endswith("transmittance") else "REFLECTANCE"
+        self.kind = kind(found.classes[number])
         return give(self, context)
+
+
+def kind(of: str) -> str:
+    """What a material is made of by the class of its curve."""
+    return "GLASS" if of.endswith("transmittance") else "REFLECTANCE"
 
 
 def give(self: Any, context: bpy.types.Context) -> list[tuple[str, str]]:

@@ -47,7 +47,7 @@ class SKYLIGHT_OT_drop_reflectance(apply.Apply, bpy.types.Operator):
         if found is not None:
             self.object, self.slot = found[0].name, found[1]
         try:
-            names = self._names()
+            names = tuple(self._kinds())
         except InputError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -62,14 +62,15 @@ class SKYLIGHT_OT_drop_reflectance(apply.Apply, bpy.types.Operator):
             raise InputError("the file", "is not named", "drop one, or give its filepath")
         if not self.column and self.properties.is_property_set("chosen"):
             self.column = self.chosen
+        kinds = self._kinds()
         if not self.column:
-            names = self._names()
-            if len(names) > 1:
-                some = ", ".join(f"'{name}'" for name in names[:8])
+            if len(kinds) > 1:
+                some = ", ".join(f"'{name}'" for name in list(kinds)[:8])
                 raise InputError(
-                    self.filepath, f"holds {len(names)} materials", f"name a column: {some}"
+                    self.filepath, f"holds {len(kinds)} materials", f"name a column: {some}"
                 )
-            self.column = names[0]
+            self.column = next(iter(kinds))
+        self.kind = assign.kind(kinds.get(self.column, ""))
         return assign.give(self, context)
 
     def targets(self, context):
@@ -82,10 +83,16 @@ class SKYLIGHT_OT_drop_reflectance(apply.Apply, bpy.types.Operator):
             return [pick.material_in(obj, self.slot, self.column)]
         return [targets.named(context, self.material)]
 
-    def _names(self):
-        from ..spectra import formats
+    def _kinds(self) -> dict[str, str]:
+        """The columns that can be used, and what kind of thing each is; InputError if none can."""
+        from ..spectra.reflectance import read_all
 
-        return formats.read(bpy.path.abspath(self.filepath)).names
+        found = read_all(
+            bpy.path.abspath(self.filepath), None if self.unit == "AUTO" else self.unit.lower()
+        )
+        if not found.names:
+            raise next(iter(found.problems.values()))
+        return dict(zip(found.names, found.classes or ("",) * len(found.names), strict=True))
 
 
 class SKYLIGHT_FH_reflectance(bpy.types.FileHandler):

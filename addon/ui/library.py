@@ -55,7 +55,7 @@ class SKYLIGHT_UL_library(bpy.types.UIList):
     """Rows: the colour under this sky, that under D65, the name, where it is from."""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property):
-        split = layout.split(factor=0.24)
+        split = layout.split(factor=0.2)
         swatches = split.row(align=True)
         if shelf.under_sky is not None:
             swatches.prop(item, "sky", text="")
@@ -172,7 +172,7 @@ def _list(layout, context, own) -> None:
 def _about(layout, context, number: int) -> None:
     found = shelf.library
     box = layout.box()
-    box.label(text=found.names[number], icon="MATERIAL", translate=False)
+    readout.paragraph(box, context, found.names[number], "MATERIAL")
     for line in (found.classes[number], found.sources[number]):
         if line:
             readout.paragraph(box, context, line)

@@ -1,5 +1,7 @@
 """The library of reflectances in Blender: folders, list, swatches, assigning, dropping files."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -188,6 +190,21 @@ def test_dropping_on_an_object_without_a_material_makes_one(scene, brick):
     bpy.ops.skylight.drop_reflectance(filepath=brick, column="moss", object="Bare")
     assert obj.material_slots[0].material.name == "moss"
     assert materials.managed(obj.material_slots[0].material).reflectance_name == "moss"
+
+
+def test_a_glazing_that_is_dropped_is_glass(scene, tmp_path):
+    rows = [{"wavelength": x / 1000, "T": 0.6, "Rf": 0.1, "Rb": 0.1} for x in range(380, 781, 5)]
+    product = {"name": "Pane", "spectral_data": {"spectral_data": rows}}
+    path = tmp_path / "product.json"
+    path.write_text(json.dumps(product))
+    bpy.ops.skylight.drop_reflectance(filepath=str(path), column="Pane transmittance")
+    own = material("Wall").skylight
+    assert (own.kind, own.column) == ("GLASS", "Pane transmittance")
+    assert material("Wall") in materials.ours()
+    bpy.ops.skylight.drop_reflectance(
+        filepath=str(path), column="Pane front reflectance", material="Roof"
+    )
+    assert given("Roof") == "Pane front reflectance"
 
 
 def test_what_is_under_the_mouse(scene):
