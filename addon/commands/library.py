@@ -35,28 +35,26 @@ def run(options: argparse.Namespace) -> None:
     import numpy as np
 
     from ..spectra import library
-    from ..spectra.working_spaces import rec709_to_working
     from ..transfer.prediction import rgb_albedo
     from ..transfer.swatches import under_sky
 
     whole = _index(options.folders) if options.folders else library.checkers()
     wanted = set(whole.search(options.search))
     found = whole.only([k for k in whole.order(options.sort) if k in wanted])
-    under, notes = None, []
+    sky = None
     if options.sky is not None or options.sky_rgb is not None:
         sky = choose(options, np.empty((0, 81)))
-        under, notes = under_sky(sky.choice.transfer, found.values, sky.lights[0]), sky.notes
     if options.sheet is not None:
-        to_rec709 = np.linalg.inv(rec709_to_working(options.space))
-        _draw(options.sheet, found, None if under is None else under @ to_rec709.T)
+        _draw(options, found, sky)
     if options.json:
+        under = None if sky is None else under_sky(sky.choice.transfer, found.values, sky.lights[0])
         record = {
             "spectra": _records(found, rgb_albedo(found.values, options.space), under),
             "problems": list(found.problems),
             "others": found.others,
             "sky": options.sky,
             "space": options.space,
-            "notes": notes,
+            "notes": sky.notes if sky is not None else [],
         }
         print(json.dumps(record, indent=1, allow_nan=False))
         return
@@ -111,16 +109,24 @@ def _records(found: Any, d65: Any, under: Any) -> list[dict[str, Any]]:
     return records
 
 
-def _draw(path: str, found: Any, under: Any) -> None:
+def _draw(options: argparse.Namespace, found: Any, sky: Any) -> None:
     """Write the sheet of swatches, as many as one holds."""
+    import numpy as np
+
     from ..pictures.png_file import write_png
     from ..pictures.swatches import MOST, swatches
+    from ..spectra.working_spaces import rec709_to_working
     from ..transfer.prediction import rgb_albedo
+    from ..transfer.swatches import beside
 
     if not len(found):
         raise InputError("--search", "finds nothing to draw", "use fewer words")
     if len(found) > MOST:
-        print(f"{path}: the first {MOST} of {len(found)}", file=sys.stderr)
+        print(f"{options.sheet}: the first {MOST} of {len(found)}", file=sys.stderr)
     shown = found.only(range(min(len(found), MOST)))
-    left = None if under is None else under[: len(shown)]
-    write_png(path, swatches(shown.names, left, rgb_albedo(shown.values)))
+    left, right = None, rgb_albedo(shown.values)
+    if sky is not None:
+        to_rec709 = np.linalg.inv(rec709_to_working(options.space)).T
+        halves = beside(sky.choice.transfer, shown.values, sky.lights[0])
+        left, right = (half @ to_rec709 for half in halves)
+    write_png(options.sheet, swatches(shown.names, left, right))

@@ -8,24 +8,25 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..transfer.prediction import rgb_albedo
-from ..transfer.swatches import under_sky
+from ..transfer.swatches import beside
 from . import sky_light, spectral, working_space
 from . import world as worlds
 
 
 def colours(
     world: bpy.types.World, settings: spectral.Settings, reflectances: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return what reflectances (m, 81) show on level ground, (m, 3), the diffuser's luminance 1.
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return what reflectances (m, 81) show on level ground and under D65, (m, 3) each.
 
-    RGB in the file's working space. Raises InputError as `spectral.make_spectral` does.
+    RGB in the file's working space, as `transfer.swatches.beside` makes them. Raises InputError as
+    `spectral.make_spectral` does.
     """
     light = spectral.analysed(world, settings)
-    return under_sky(settings.transfer(light), reflectances, light.faces[0])
+    return beside(settings.transfer(light), reflectances, light.faces[0])
 
 
 def daylight(reflectances: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the same under D65, white (1, 1, 1)."""
+    """Return their colours under D65 alone, (m, 3), white (1, 1, 1)."""
     return rgb_albedo(reflectances, working_space.name())
 
 

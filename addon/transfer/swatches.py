@@ -7,6 +7,22 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..spectra.working_spaces import XYZ_to_working
 from .matrices import Transfer
+from .prediction import rgb_albedo
+
+
+def beside(
+    transfer: Transfer, reflectances: ArrayLike, light: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return swatches under a light and under D65 that can be compared, (m, 3) each.
+
+    As `under_sky` has the first; both are made darker by one number where the light's white has a
+    channel over 1, so that a screen can show it. Out-of-gamut values are kept.
+    """
+    rho = np.vstack([reflectances, np.ones(transfer.restoration.shape[0])])
+    *colours, white = under_sky(transfer, rho, light)
+    dimmed = 1.0 / max(1.0, float(np.max(white)))
+    D65 = rgb_albedo(rho[:-1], transfer.space)
+    return dimmed * np.reshape(colours, (-1, 3)), dimmed * D65
 
 
 def under_sky(transfer: Transfer, reflectances: ArrayLike, light: ArrayLike) -> NDArray[np.float64]:

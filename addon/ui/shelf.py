@@ -44,7 +44,7 @@ def light(context: bpy.types.Context) -> None:
     try:
         settings = properties.settings_of(world) if world is not None else None
         if settings is not None:
-            under_sky = scene_sky.colours(world, settings, library.values)
+            under_sky, daylight = scene_sky.colours(world, settings, library.values)
             lit_by = scene_sky.sky_key(world)
     except InputError:  # the panel says what is wrong with the sky; D65 is shown all the same
         pass

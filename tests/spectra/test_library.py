@@ -12,7 +12,7 @@ from spectral_skylight.addon.spectra import library
 from spectral_skylight.addon.spectra.reflectance import read_reflectances
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.prediction import rgb_albedo
-from spectral_skylight.addon.transfer.swatches import under_sky
+from spectral_skylight.addon.transfer.swatches import beside, under_sky
 
 X = np.arange(380, 781, 10)
 
@@ -152,6 +152,9 @@ def test_swatches_under_a_sky_have_its_colour_and_not_its_strength():
     assert rgb[0] @ [0.2126, 0.7152, 0.0722] == pytest.approx(1.0, abs=1e-3)
     np.testing.assert_allclose(under_sky(mapping, rho, 100 * light), rgb)
     assert not under_sky(mapping, rho, np.zeros(3)).any()
+    beside_it, d65 = beside(mapping, rho, light)
+    assert beside_it.max() == pytest.approx(1.0)  # a screen can show it
+    np.testing.assert_allclose(beside_it / rgb, d65 / rgb_albedo(rho), rtol=1e-9)
 
 
 def test_the_sheet_shows_both_halves_of_each():
