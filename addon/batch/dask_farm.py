@@ -122,7 +122,7 @@ class DaskPool:
 
     def finished(self) -> tuple[Sequence[Task], Sequence[dict[str, Any]]]:
         """Wait for a chunk; all of its pictures failed where Dask gave it up."""
-        future = None
+        future: Any = None
         while future not in self._away:
             self.workers()
             with contextlib.suppress(queue.Empty):
