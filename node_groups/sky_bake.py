@@ -14,7 +14,6 @@ number for each face before subdivision.
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
 
 import bpy
 
@@ -52,32 +51,6 @@ def ensure() -> bpy.types.NodeTree:
     inputs = [(name, kind, None) for name, kind in SOCKETS]
     return groups.ensure(
         tree, KIND, VERSION, inputs, [("Geometry", "NodeSocketGeometry", None)], _build
-    )
-
-
-def set_inputs(modifier: bpy.types.NodesModifier, **values: Any) -> None:
-    """Write inputs of a modifier with this group, by name."""
-    for name, value in values.items():
-        identifier = _identifier(modifier.node_group, name)
-        if hasattr(modifier, "properties"):  # Blender 5.2
-            getattr(modifier.properties.inputs, identifier).value = value
-        else:
-            modifier[identifier] = value
-
-
-def get_input(modifier: bpy.types.NodesModifier, name: str) -> Any:
-    """The value of an input of a modifier with this group."""
-    identifier = _identifier(modifier.node_group, name)
-    if hasattr(modifier, "properties"):
-        return getattr(modifier.properties.inputs, identifier).value
-    return modifier.get(identifier)
-
-
-def _identifier(tree: bpy.types.NodeTree, name: str) -> str:
-    return next(
-        item.identifier
-        for item in tree.interface.items_tree
-        if item.item_type == "SOCKET" and item.in_out == "INPUT" and item.name == name
     )
 
 

@@ -7,35 +7,33 @@ one each. See `node_groups.sky_bake` for how it is laid out.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...node_groups import sky_bake
-from ...node_groups import tree as groups
+from ...node_groups import modifiers, sky_bake
 
-BITS = "skylight_rays"  # with a number: 32 rays of a point, which of them reach the sky
+BITS = "skylight_shares"  # with a number: of 16 rays of a point, how much reaches the sky
 NORMAL = "skylight_normal"  # a point's normal in the world
 STEP = 1e-5  # of the object's size: corners nearer than this, and with one normal, are one point
 
 
 def modifier_of(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
     """The `Sky Bake` modifier of an object."""
-    ours = (m for m in obj.modifiers if m.type == "NODES" and m.node_group is not None)
-    return next((m for m in ours if m.node_group.get(groups.KIND) == sky_bake.KIND), None)
+    return modifiers.of_kind(obj, sky_bake.KIND)
 
 
 def bake_of(obj: bpy.types.Object) -> bpy.types.Object | None:
     """The object of ours that keeps this object's bake, None without one."""
     modifier = modifier_of(obj)
-    return None if modifier is None else sky_bake.get_input(modifier, "Bake")
+    return None if modifier is None else modifiers.get_input(modifier, "Bake")
 
 
 def points_of(obj: bpy.types.Object) -> int:
     """How many points the bake of an object has."""
-    return sky_bake.get_input(modifier_of(obj), "Faces")
+    return modifiers.get_input(modifier_of(obj), "Faces")
 
 
 def ensure(obj: bpy.types.Object) -> bpy.types.Object:
@@ -49,11 +47,11 @@ def ensure(obj: bpy.types.Object) -> bpy.types.Object:
         modifier.show_in_editmode = False
         modifier.use_pin_to_last = True
     modifier.node_group = sky_bake.ensure()
-    old = sky_bake.get_input(modifier, "Bake")
+    old = modifiers.get_input(modifier, "Bake")
     if old is None or sum(bake_of(other) == old for other in bpy.data.objects) > 1:
         name = f"{sky_bake.KIND} {obj.name}"
         old = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-        sky_bake.set_inputs(modifier, Bake=old)
+        modifiers.set_inputs(modifier, Bake=old)
     old.data.clear_geometry()
     return old
 
@@ -63,7 +61,7 @@ def remove(obj: bpy.types.Object) -> None:
     modifier = modifier_of(obj)
     if modifier is None:
         return
-    bake, tree = sky_bake.get_input(modifier, "Bake"), modifier.node_group
+    bake, tree = modifiers.get_input(modifier, "Bake"), modifier.node_group
     obj.modifiers.remove(modifier)
     if bake is not None and not any(bake_of(other) == bake for other in bpy.data.objects):
         mesh = bake.data
@@ -94,6 +92,10 @@ class Fine:
     """(f,), each face's number before subdivision."""
     slots: NDArray[np.int64]
     """(f,), each face's material slot."""
+    materials: list[str] = field(default_factory=list)
+    """Full names of the slots' materials, empty for none."""
+    managed: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, bool))
+    """(f,), whether a face's material is managed."""
 
     @property
     def face(self) -> NDArray[np.int64]:
@@ -167,7 +169,7 @@ def write(
     bits: NDArray[np.uint8],
     normals: NDArray,
 ) -> None:
-    """Keep a bake: attributes (p, 4), rays (p, rays / 8) and normals (p, 3) of `fine`'s points."""
+    """Keep a bake: attributes (p, 4), rays (p, rays / 4) and normals (p, 3) of `fine`'s points."""
     mesh, points = bake.data, len(fine.places)
     mesh.clear_geometry()
     mesh.vertices.add(points + len(levels))
@@ -193,7 +195,7 @@ def write(
     write_attribute(bake, NORMAL, np.concatenate([normals, np.ones((points, 1))], axis=1))
     modifier = modifier_of(obj)
     near = sky_bake.NEAR * float(np.ptp(fine.places, axis=0).max())
-    sky_bake.set_inputs(modifier, Faces=points, Near=near)
+    modifiers.set_inputs(modifier, Faces=points, Near=near)
     bake.update_tag()
     obj.update_tag()
 
@@ -216,12 +218,17 @@ def read_attribute(bake: bpy.types.Object, name: str, points: int) -> NDArray[np
 
 
 def read_bits(bake: bpy.types.Object, points: int) -> NDArray[np.uint8]:
-    """Which rays of each point reach the sky, (points, rays / 8)."""
+    """How far the rays of each point reach the sky (`visibility.Views`), (points, rays / 4).
+
+    Empty of a bake that knew it otherwise, as older ones do.
+    """
     columns: list[NDArray] = []
     while (found := bake.data.attributes.get(f"{BITS}_{len(columns)}")) is not None:
         values = np.empty(len(bake.data.vertices), np.int32)
         found.data.foreach_get("value", values)
         columns.append(values[:points])
+    if not columns:
+        return np.empty((points, 0), np.uint8)
     return np.ascontiguousarray(np.stack(columns, axis=1)).view(np.uint8)
 
 

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...node_groups import sky_bake
+from ...node_groups import modifiers, sky_bake
 from ...node_groups import sky_visibility as names
 from ..sky.harmonics import KEYS
 from . import bake_mesh, nodes, visibility
@@ -39,10 +39,10 @@ PROBES[3, 1:3] = np.array([0.9, -0.9]) / 0.4886025119029199
 PROBES[1, 3:5] = np.array([0.9, -0.9]) / 0.4886025119029199
 
 
-def managed_slots(obj: bpy.types.Object) -> list[int]:
-    """The numbers of an object's material slots that hold managed materials."""
-    slots = enumerate(obj.material_slots)
-    return [n for n, slot in slots if slot.material is not None and nodes.MANAGED in slot.material]
+def is_managed(obj: bpy.types.Object) -> bool:
+    """Whether an object, as it is or evaluated, has a managed material."""
+    materials = (slot.material for slot in obj.material_slots)
+    return any(material is not None and nodes.MANAGED in material for material in materials)
 
 
 def bake_object(
@@ -60,10 +60,10 @@ def bake_object(
     beside it. Without managed faces, or with too many, it ends without a bake.
     """
     kept = bake_mesh.ensure(obj)
-    sky_bake.set_inputs(bake_mesh.modifier_of(obj), Faces=0, Near=0.0, Bounce=False)
+    modifiers.set_inputs(bake_mesh.modifier_of(obj), Faces=0, Near=0.0, Bounce=False)
     bake_mesh.write_levels(kept, np.empty(0), np.empty(0))
     fine = evaluated(obj)
-    wanted = np.zeros(0, bool) if fine is None else np.isin(fine.slots, managed_slots(obj))
+    wanted = np.zeros(0, bool) if fine is None else fine.managed
     problem = ""
     if fine is not None and len(fine.places) > MOST:
         problem = f"has over {MOST:,} vertices: bake it in parts"
@@ -167,14 +167,19 @@ def evaluated(obj: bpy.types.Object) -> bake_mesh.Fine | None:
     """The faces of an object after its modifiers, ours the last; None without a face."""
     bpy.context.view_layer.update()
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    mesh = obj.evaluated_get(depsgraph).data
+    shown = obj.evaluated_get(depsgraph)
     if obj.type != "MESH":  # a curve or text shows its mesh as an instance of itself
         made = (i.object for i in depsgraph.object_instances if i.object.original == obj)
-        mesh = next((each.data for each in made if each.type == "MESH"), None)
-    if mesh is None or not mesh.polygons:
+        shown = next((each for each in made if each.type == "MESH"), None)
+    if shown is None or not shown.data.polygons:
         return None
-    fine = bake_mesh.read(mesh)
-    fine.slots = np.minimum(fine.slots, max(0, len(obj.material_slots) - 1))
+    fine = bake_mesh.read(shown.data)
+    # Of the evaluated object, for instances that became real bring their materials along.
+    materials = [slot.material for slot in shown.material_slots] or [None]
+    fine.slots = np.minimum(fine.slots, len(materials) - 1)
+    fine.materials = [each.name_full if each else "" for each in materials]
+    managed = [each is not None and nodes.MANAGED in each for each in materials]
+    fine.managed = np.array(managed)[fine.slots]
     return fine
 
 
@@ -204,7 +209,7 @@ def _first_levels(obj, fine, wanted, size):
 
 def _look(views, at, around, starts, normals, slow):
     """Fill in the views of points by their numbers, yielding 0 to 1."""
-    rays = 8 * views.bits.shape[1]
+    rays = 4 * views.bits.shape[1]
     for part, seen in visibility.look(around, starts[at], normals[at], rays, slow):
         views.put(at[part], seen)
         yield min(1.0, part.stop / len(at))

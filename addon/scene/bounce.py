@@ -17,7 +17,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...node_groups import sky_bake
+from ...node_groups import modifiers, sky_bake
 from ...node_groups import sky_visibility as names
 from ..sky.harmonics import KEYS
 from . import bake_mesh, bake_object, visibility
@@ -112,16 +112,14 @@ class _Baked:
         self.obj, self.bake = obj, bake_mesh.bake_of(obj)
         self.fine = bake_object.evaluated(obj)
         numbers = []
-        for slot in obj.material_slots:
-            name = slot.material.name_full if slot.material else ""
+        for name in self.fine.materials:
             if name not in materials:
                 materials.append(name)
             numbers.append(materials.index(name))
-        managed = np.isin(self.fine.slots, bake_object.managed_slots(obj))
         self.face_material = np.array(numbers)[self.fine.slots]
         count = len(self.fine.places)
         self.stored = bake_mesh.points_of(obj) == count  # else it is not the mesh that was baked
-        self.points = bake_object.Points(obj, self.fine, managed, around.size)
+        self.points = bake_object.Points(obj, self.fine, self.fine.managed, around.size)
         self.material = np.zeros(count, int)
         self.material[self.fine.point] = self.face_material[self.fine.face]
         self.shown = np.flatnonzero(self.points.shown) if self.stored else np.empty(0, int)
@@ -145,7 +143,7 @@ class _Baked:
             values[number, :, channel] = sums[way, :, TERMS]
         for number in range(4, 10):
             bake_mesh.write_attribute(self.bake, names.attribute(number), values[number])
-        sky_bake.set_inputs(bake_mesh.modifier_of(self.obj), Bounce=self.stored)
+        modifiers.set_inputs(bake_mesh.modifier_of(self.obj), Bounce=self.stored)
         self.bake.data.update()
         self.bake.update_tag()
         self.obj.update_tag()

@@ -6,6 +6,8 @@ scatters their light.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 import numpy as np
 
@@ -79,14 +81,21 @@ def _is_managed(material: bpy.types.Material | None) -> bool:
 
 
 def _has_managed(obj: bpy.types.Object) -> bool:
-    return any(_is_managed(slot.material) for slot in obj.material_slots)
+    return any(_is_managed(slot.material) for slot in _slots(obj))
+
+
+def _slots(obj: bpy.types.Object) -> Sequence[bpy.types.MaterialSlot]:
+    """Its slots as modifiers leave them, which may bring materials along."""
+    if not obj.modifiers:
+        return obj.material_slots
+    return obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).material_slots
 
 
 def _burns(obj: bpy.types.Object) -> bool:
     """Whether an object shows a material that is not managed and scatters light."""
     if obj.type == "MESH" and not obj.data.polygons and not obj.modifiers:
         return False
-    slots = [slot.material for slot in obj.material_slots]
+    slots = [slot.material for slot in _slots(obj)]
     if not slots:
         return True  # Blender's grey
     shown = range(len(slots))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 from os import cpu_count
 
 import numpy as np
@@ -17,9 +18,9 @@ from . import rays as casting
 CHUNK = 2**18
 """Rays at once and thread: some 50 MB."""
 
-CELL = 3.0
+CELL = 2.0
 """[degrees] that a sky's pixels are averaged over before rays look them up: about what a ray of
-256 stands for."""
+1024 stands for."""
 
 
 @dataclass
@@ -33,14 +34,15 @@ class Views:
     inside: NDArray[np.bool_]
     """(n,), whether a point sees backs of faces only: it lies in something solid."""
     bits: NDArray[np.uint8]
-    """(n, rays / 8), which rays reach the sky, in the order of `directions`."""
+    """(n, rays / 4), by how many thirds each ray reaches the sky (`shares`), in the order of
+    `directions`."""
 
     @classmethod
     def empty(cls, count: int, rays: int) -> Views:
         """Views of points that see nothing yet."""
         sky = np.zeros((count, len(KEYS)), np.float32)
         ground, inside = np.zeros(count, np.float32), np.zeros(count, bool)
-        return cls(sky, ground, inside, np.zeros((count, rays // 8), np.uint8))
+        return cls(sky, ground, inside, np.zeros((count, rays // 4), np.uint8))
 
     def at(self, index: NDArray) -> Views:
         """The views of some points, as copies."""
@@ -56,23 +58,41 @@ def directions(normals: NDArray, rays: int) -> NDArray[np.float32]:
     """Return unit vectors about each normal (n, 3), (n, rays, 3), as dense as the cosine.
 
     Every point has the same pattern (a sunflower's: H. Vogel 1979, DOI
-    10.1016/0025-5564(79)90080-4), so that neighbours err alike, and light shows no grain. The
-    frame turns steadily with the normal (J. Frisvad 2012, DOI 10.1080/2165347X.2012.689606), but
-    where that looks straight down.
+    10.1016/0025-5564(79)90080-4), so that neighbours err alike, and light shows no grain.
     """
+    return _pattern(rays)[0] @ _frames(normals)
+
+
+def _frames(normals: NDArray) -> NDArray[np.float32]:
+    """Two sides and the normal (n, 3, 3): a frame that turns steadily with the normal, but where
+    that looks straight down (J. Frisvad 2012, DOI 10.1080/2165347X.2012.689606)."""
     normals = np.asarray(normals, np.float32)
-    index = np.arange(rays) + 0.5
-    angle, level = index * np.pi * (3.0 - 5.0**0.5), np.sqrt(index / rays)
-    x, y = (level * np.cos(angle)).astype(np.float32), (level * np.sin(angle)).astype(np.float32)
-    z = np.sqrt(1.0 - level**2).astype(np.float32)
     nx, ny, nz = normals.T
     down = nz < -0.9999
     scale = 1.0 / np.where(down, 1.0, 1.0 + nz)
     side = np.stack([1.0 - nx * nx * scale, -nx * ny * scale, -nx], axis=1)
     along = np.stack([-nx * ny * scale, 1.0 - ny * ny * scale, -ny], axis=1)
     side[down], along[down] = (0.0, -1.0, 0.0), (-1.0, 0.0, 0.0)
-    frame = np.stack([side, along, normals], axis=1)
-    return np.stack([x, y, z], axis=1) @ frame
+    return np.stack([side, along, normals], axis=1)
+
+
+@lru_cache(maxsize=4)
+def _pattern(rays: int) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.intp]]:
+    """Rays (rays, 3) about z, three about each of them (3, rays, 3), and each one's six nearest."""
+    index = np.arange(rays) + 0.5
+    angle = index * np.pi * (3.0 - 5.0**0.5)
+    disc = np.sqrt(index / rays) * np.exp(1j * angle)
+    thirds = disc + 0.55 * rays**-0.5 * np.exp(
+        1j * (angle + np.arange(3)[:, None] * 2.0 / 3.0 * np.pi)
+    )
+    thirds *= np.minimum(1.0, (1.0 - 1e-4) / np.abs(thirds))
+    near = np.argpartition(np.abs(disc[:, None] - disc), 6, axis=1)[:, :7]
+
+    def raised(disc):
+        z = np.sqrt(1.0 - np.abs(disc) ** 2)
+        return np.stack([disc.real, disc.imag, z], axis=-1).astype(np.float32)
+
+    return raised(disc), raised(thirds), near
 
 
 def look(
@@ -84,8 +104,9 @@ def look(
 ) -> Iterator[tuple[slice, Views]]:
     """Yield what points (n, 3) with unit normals (n, 3) see, a few thousand of them at a time.
 
-    In the world; `rays` is a multiple of 8. A point that sees all or nothing of the sky with the
-    first quarter of them casts no more. The points must lie a little off their faces. With
+    In the world; `rays` is a multiple of 16. A point that sees all or nothing of the sky with the
+    first quarter of them casts no more. Where the sky ends between two rays both are cast anew, as
+    three each. The points must lie a little off their faces. With
     `embreex` all processors work; `slow` does without.
     """
     step = max(1, CHUNK // rays)
@@ -108,7 +129,9 @@ def look(
 
 
 def _look(scene, starts, normals, rays, slow):
-    ways = directions(normals, rays)
+    pattern, thirds, near = _pattern(rays)
+    frames = _frames(normals)
+    ways = pattern @ frames
     up = ways[..., 2] > 0.0
     reaches = np.empty(up.shape, bool)
     backs = np.zeros(up.shape, bool)
@@ -133,12 +156,32 @@ def _look(scene, starts, normals, rays, slow):
         reaches &= ~(half & (seen == 0)[:, None] & _rest(rays))
     for offset in (1, 2, 3):
         cast(np.flatnonzero(mixed), slice(offset, None, 4))
-    seen = (reaches & up).astype(np.float32)
+    # Edges: what a ray stands for is seen in part.
+    mixed = np.flatnonzero(mixed)
+    edge = (reaches[mixed][:, near] != reaches[mixed][..., None]).any(axis=2)
+    point, ray = np.nonzero(edge)
+    point = mixed[point]
+    count = 3 * reaches.astype(np.uint8)
+    count[point, ray] = 0
+    for third in thirds:
+        way = np.einsum("ri,rij->rj", third[ray], frames[point])
+        hits = scene.first_hits(starts[point], way, slow)
+        # A third beyond the horizon belongs to the other half: here it is as the ray itself.
+        same = (way[:, 2] > 0.0) == up[point, ray]
+        count[point, ray] += np.where(same, hits < 0, reaches[point, ray])
+    seen = np.where(up, count, 0) / np.float32(3.0)
     x, y, z = (np.ascontiguousarray(ways[..., axis]) for axis in range(3))
     sky = np.stack([np.einsum("nr,nr->n", seen, y_lm) for y_lm in functions(x, y, z)], 1) / rays
-    ground = (reaches & ~up).mean(axis=1, dtype=np.float32)
+    ground = np.where(up, 0, count).mean(axis=1, dtype=np.float32) / np.float32(3.0)
     inside = ~reaches.any(axis=1) & (backs[:, some].mean(axis=1) > 0.5)
-    return Views(sky, ground, inside, np.packbits(reaches, axis=1))
+    bits = [np.packbits(plane, axis=1) for plane in (count & 2, count & 1)]
+    return Views(sky, ground, inside, np.concatenate(bits, axis=1))
+
+
+def shares(bits: NDArray[np.uint8]) -> NDArray[np.float32]:
+    """Return which part of each ray reaches the sky, (n, rays), of `Views.bits`."""
+    twos, ones = np.split(np.unpackbits(bits, axis=1), 2, axis=1)
+    return (2 * twos + ones) / np.float32(3.0)
 
 
 def _rest(rays):
@@ -189,7 +232,7 @@ def exact(sky: Sky, normals: NDArray, bits: NDArray[np.uint8]) -> NDArray[np.flo
     What an open face receives, exactly, times the part of it that the rays let pass: for a face
     that nothing hides it is without error.
     """
-    rays = 8 * bits.shape[1]
+    rays = 4 * bits.shape[1]
     c, s = np.cos(sky.turn), np.sin(sky.turn)
     turned = normals @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
     _, first, index = np.unique(
@@ -201,6 +244,5 @@ def exact(sky: Sky, normals: NDArray, bits: NDArray[np.uint8]) -> NDArray[np.flo
     result = np.empty((len(normals), 3))
     for at, normal, irradiance in zip(groups, normals[first], whole, strict=True):
         light = sky.radiance(directions(normal[None], rays)[0])
-        passing = np.unpackbits(bits[at], axis=1).astype(np.float32)
-        result[at] = passing @ light * (irradiance / np.maximum(light.sum(axis=0), 1e-30))
+        result[at] = shares(bits[at]) @ light * (irradiance / np.maximum(light.sum(axis=0), 1e-30))
     return result

@@ -6,7 +6,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from spectral_skylight.addon.scene import bake, bake_mesh, bounce, nodes  # noqa: E402
-from spectral_skylight.node_groups import sky_bake, sky_visibility  # noqa: E402
+from spectral_skylight.node_groups import modifiers, sky_visibility  # noqa: E402
 from spectral_skylight.tests import faces  # noqa: E402
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
@@ -91,7 +91,7 @@ def test_the_object_shows_the_bounce_and_its_flag(corner):
     floor, *_ = corner
     mesh = floor.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     assert {sky_visibility.attribute(number) for number in range(10)} <= set(mesh.attributes.keys())
-    assert sky_bake.get_input(bake_mesh.modifier_of(floor), "Bounce")
+    assert modifiers.get_input(bake_mesh.modifier_of(floor), "Bounce")
     flag, _ = stored(floor, sky_visibility.BAKED)
     assert np.all(flag >= 1.0)
     assert bake.stale() == []
