@@ -13,6 +13,7 @@ import tracemalloc
 import pytest
 
 pytest.importorskip("distributed")
+import dask
 
 from spectral_skylight.addon.batch import dask_farm, run
 from spectral_skylight.addon.batch.plan import FORMAT, VERSION
@@ -63,12 +64,15 @@ def test_pictures_a_minute(benchmark, tmp_path, capsys):
         assert outcome.rendered == pictures
         return seconds, held
 
+    # Dask keeps its last 1,000 messages, of some 5 kB each: here fewer, for they would hide ours.
+    kept = dask.config.set({"distributed.admin.low-level-log-length": 10})
     try:
-        few = rendered(500)[1]
-        seconds, many = benchmark.pedantic(rendered, (3000,), rounds=1)
+        with kept:
+            few = rendered(500)[1]
+            seconds, many = benchmark.pedantic(rendered, (3000,), rounds=1)
     finally:
         cluster.end()
-    assert many < few + 2e6
+    assert many < few + 1e6
     assert 3000 / seconds > 1000 / 60
     with capsys.disabled():
         print(
