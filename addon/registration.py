@@ -16,6 +16,7 @@ from .ui import (
     apply,
     assign,
     bake,
+    batch,
     choose_reflectance,
     drop,
     everything,
@@ -52,6 +53,7 @@ MODULES = (
     assign,
     drop,
     material_panel,
+    batch,
     menu,
     pictures,
 )
@@ -66,7 +68,7 @@ def register() -> None:
         for cls in CLASSES:
             bpy.utils.register_class(cls)
             _undo.append(partial(bpy.utils.unregister_class, cls))
-        for module in (properties, library, menu, watch):
+        for module in (properties, library, batch, menu, watch):
             module.attach()
             _undo.append(module.detach)
         _undo.append(gallery.clear)

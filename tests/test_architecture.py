@@ -21,7 +21,7 @@ MAY_IMPORT = {
     "pictures": {"errors", "spectra", "sky", "transfer"},
     "node_groups": set(),
     "scene": {"errors", "spectra", "sky", "transfer", "pictures", "node_groups"},
-    "ui": {"errors", "scene", "spectra", "pictures"},
+    "ui": {"errors", "scene", "spectra", "pictures", "batch"},
     "registration": {"ui", "cli"},
     "cli": {"errors", "commands"},
     "commands": {"errors", "spectra", "sky", "transfer", "pictures", "scene", "batch"},

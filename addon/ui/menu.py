@@ -9,6 +9,7 @@ STEPS = (
     ("assign_to_active", "assign_to_selected", "refresh_library", "library_problems"),
     ("bake", "remove_bakes"),
     ("show_in_viewport", "before_after", "neutral_white"),
+    ("batch_write", "batch_start", "batch_cancel"),
 )
 
 

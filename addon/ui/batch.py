@@ -1,0 +1,310 @@
+"""Many pictures: setting up a study, starting it in the background, and how far it is."""
+
+# No postponed annotations here: Blender reads properties from them.
+# mypy: disable-error-code="valid-type"
+
+from pathlib import Path
+
+import bpy
+
+from ..errors import InputError
+from . import operator, panels
+
+RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"}
+"""Options of paths that may start with ``//``."""
+
+PACE = 0.5
+"""[s] between two looks at a run, only while there is one."""
+
+ENGINES = (
+    ("SCENE", "The Scene's", "As the scene is set"),
+    ("eevee", "Eevee", "Fast"),
+    ("cycles", "Cycles", "Exact"),
+)
+CAMERAS = (
+    ("ALL", "All", "Each camera of the scene"),
+    ("ACTIVE", "Active", "The scene's camera alone"),
+    ("NAMED", "Named", "Those whose names are given, with commas between"),
+)
+SKIES = (
+    ("FILES", "HDRIs", "A sky HDRI, or all of a folder"),
+    ("PLACE", "Date & Place", "Clear skies that are simulated for hours of a day"),
+)
+
+
+class SkylightBatch(bpy.types.PropertyGroup):
+    """What a study of this scene is made of, as `scene.skylight_batch`."""
+
+    out: bpy.props.StringProperty(
+        name="Output",
+        description="Folder for pictures, report and all else",
+        subtype="DIR_PATH",
+        options=RELATIVE,
+        default="//batch",
+    )
+    cameras: bpy.props.EnumProperty(name="Cameras", items=CAMERAS)
+    names: bpy.props.StringProperty(name="Names", description="Of cameras, commas between")
+    source: bpy.props.EnumProperty(name="Skies", items=SKIES)
+    files: bpy.props.StringProperty(
+        name="HDRIs",
+        description="An .exr or .hdr, or a folder of them",
+        subtype="FILE_PATH",
+        options=RELATIVE,
+    )
+    date: bpy.props.StringProperty(name="Date", description="YYYY-MM-DD", default="2025-06-21")
+    times: bpy.props.StringProperty(
+        name="Times", description="Local, commas between", default="09:00, 12:00, 15:00"
+    )
+    latitude: bpy.props.FloatProperty(
+        name="Latitude", description="[°], north positive", min=-90, max=90, precision=4
+    )
+    longitude: bpy.props.FloatProperty(
+        name="Longitude", description="[°], east positive", min=-180, max=180, precision=4
+    )
+    timezone: bpy.props.StringProperty(
+        name="Time Zone",
+        description="Europe/Berlin, which knows summer time, or hours east of UTC: +2",
+        default="UTC",
+    )
+    north: bpy.props.FloatProperty(
+        name="North",
+        description="Where true north is in the scene: [°] clockwise from +Y, seen from above",
+        min=-360,
+        max=360,
+        precision=2,
+    )
+    variants: bpy.props.StringProperty(
+        name="Variants",
+        description="CSVs with columns material and reflectance (FILE.csv:COLUMN): one, or a "
+        "folder of them; empty: materials as they are",
+        subtype="FILE_PATH",
+        options=RELATIVE,
+    )
+    engine: bpy.props.EnumProperty(name="Engine", items=ENGINES)
+    samples: bpy.props.IntProperty(
+        name="Samples", description="0: the scene's", min=0, soft_max=4096
+    )
+    workers: bpy.props.IntProperty(
+        name="Processes", description="0: as many as are useful here", min=0, max=64
+    )
+
+
+class SkylightBatchRun(bpy.types.PropertyGroup):
+    """How far the run of this session is, as `window_manager.skylight_batch`: no undo turns it."""
+
+    state: bpy.props.StringProperty(description="As `batch.background` has it; empty before any")
+    line: bpy.props.StringProperty(description="What to say of it")
+    factor: bpy.props.FloatProperty(min=0, max=1)
+    report: bpy.props.StringProperty(description="Path of the report, once it is there")
+
+
+_run = None  # the one `batch.background.Background` of this session
+
+
+def study_values(scene) -> dict:
+    """The study that a scene's properties describe; InputError for what cannot be one."""
+    chosen = scene.skylight_batch
+    absolute = lambda path: Path(bpy.path.abspath(path))  # noqa: E731
+    cameras: str | list[str] = "all"
+    if chosen.cameras == "ACTIVE":
+        if scene.camera is None:
+            raise InputError(f'scene "{scene.name}"', "has no camera", "add one")
+        cameras = [scene.camera.name]
+    elif chosen.cameras == "NAMED":
+        cameras = [name.strip() for name in chosen.names.split(",") if name.strip()]
+    if chosen.source == "FILES":
+        skies: list = _files("Skies", absolute(chosen.files), (".exr", ".hdr"), chosen.files)
+    else:
+        times = [time.strip() for time in chosen.times.split(",") if time.strip()]
+        place = {key: getattr(chosen, key) for key in ("date", "latitude", "longitude", "timezone")}
+        place |= {key: round(place[key], 6) for key in ("latitude", "longitude")}
+        skies = [{**place, "times": times, "north": round(chosen.north, 4)}]
+    variants = None
+    if chosen.variants:
+        files = _files("Variants", absolute(chosen.variants), (".csv",), chosen.variants)
+        variants = [{"name": path.stem, "assign": path} for path in files]
+    return {
+        "out": absolute(chosen.out),
+        "scenes": [Path(bpy.data.filepath)],
+        "cameras": cameras,
+        "skies": skies,
+        "variants": variants,
+        "engine": None if chosen.engine == "SCENE" else chosen.engine,
+        "samples": chosen.samples or None,
+    }
+
+
+def _files(what: str, path: Path, suffixes: tuple[str, ...], given: str) -> list[Path]:
+    """The files that a path means: itself, or those of a folder."""
+    if given and path.is_file():
+        return [path]
+    found = sorted(p for p in path.glob("*") if p.suffix.lower() in suffixes) if given else []
+    if not found:
+        cure = f"choose one that ends in {' or '.join(suffixes)}, or a folder of them"
+        raise InputError(what, f'"{given}" holds none', cure)
+    return found
+
+
+def study_path() -> Path:
+    """Where the open file's study lies."""
+    path = Path(bpy.data.filepath)
+    return path.with_name(f"{path.stem}.study.toml")
+
+
+def _unsaved() -> str:
+    return "" if bpy.data.filepath else "Save the file first: the study lies beside it"
+
+
+def _changed() -> str:
+    return "Save the file first: what is on disk is rendered" if bpy.data.is_dirty else ""
+
+
+class SKYLIGHT_OT_batch_write(operator.Thin, bpy.types.Operator):
+    """Write the study beside the file, for the command line and for a farm"""
+
+    bl_idname = "skylight.batch_write"
+    bl_label = "Write Study"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def hindrance(cls, context):
+        return _unsaved()
+
+    def run(self, context):
+        from ..batch.write_study import write_study
+
+        write_study(study_path(), study_values(context.scene))
+        return [("INFO", f"{study_path()} is written")]
+
+
+class SKYLIGHT_OT_batch_start(operator.Thin, bpy.types.Operator):
+    """Write the study and render it in the background, in processes of its own"""
+
+    bl_idname = "skylight.batch_start"
+    bl_label = "Render Study"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def hindrance(cls, context):
+        if _run is not None and _run.running:
+            return "A study is being rendered"
+        return _unsaved() or _changed()
+
+    def run(self, context):
+        global _run
+        from ..batch.background import Background
+        from ..batch.write_study import write_study
+
+        values = study_values(context.scene)
+        write_study(study_path(), values)
+        workers = context.scene.skylight_batch.workers
+        _run = Background(study_path(), values["out"], bpy.app.binary_path, workers)
+        watch()
+        if not bpy.app.timers.is_registered(watch):
+            bpy.app.timers.register(watch, first_interval=PACE, persistent=True)
+        return [("INFO", f"{study_path().name} is rendered in the background")]
+
+
+class SKYLIGHT_OT_batch_cancel(operator.Thin, bpy.types.Operator):
+    """End the run in the background; what it has rendered stays"""
+
+    bl_idname = "skylight.batch_cancel"
+    bl_label = "Cancel"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def hindrance(cls, context):
+        return "" if _run is not None and _run.running else "No study is being rendered"
+
+    def run(self, context):
+        assert _run is not None
+        _run.cancel()
+        watch()
+        return [("INFO", "the run is ended; what was rendered stays")]
+
+
+def watch() -> float | None:
+    """Look how far the run is, for panels to show; return the pause [s] to the next look."""
+    if _run is None:
+        return None
+    running = _run.running  # before the look: what came last is seen
+    found, shown = _run.status(), bpy.context.window_manager.skylight_batch
+    shown.state, shown.line = found["state"], found["line"]
+    shown.factor = found.get("done", 0) / max(1, found.get("total") or 1)
+    report = _run.out / "report.html"
+    shown.report = str(report) if not running and report.is_file() else ""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+    return PACE if running else None
+
+
+class SKYLIGHT_PT_batch(panels.Child, bpy.types.Panel):
+    """The study of this scene, and its run."""
+
+    bl_label = "Batch"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 90
+
+    def draw(self, context):
+        layout, chosen = self.layout, context.scene.skylight_batch
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.prop(chosen, "cameras")
+        if chosen.cameras == "NAMED":
+            layout.prop(chosen, "names")
+        layout.prop(chosen, "source")
+        column = layout.column(align=True)
+        if chosen.source == "FILES":
+            column.prop(chosen, "files")
+        else:
+            for name in ("date", "times", "latitude", "longitude", "timezone", "north"):
+                column.prop(chosen, name)
+        layout.prop(chosen, "variants")
+        column = layout.column(align=True)
+        for name in ("engine", "samples", "workers"):
+            column.prop(chosen, name)
+        layout.prop(chosen, "out")
+        _progress(layout, context.window_manager.skylight_batch)
+
+
+def _progress(layout, shown) -> None:
+    """Draw the buttons, and how far the run is."""
+    running = shown.state in ("starting", "preparing", "rendering")
+    row = layout.row(align=True)
+    if running:
+        row.progress(factor=shown.factor, text=shown.line)
+        row.operator("skylight.batch_cancel", text="", icon="X")
+        return
+    row.operator("skylight.batch_start", icon="RENDER_ANIMATION")
+    row.operator("skylight.batch_write", text="", icon="TEXT")
+    if shown.state:
+        icon = "CHECKMARK" if shown.state == "done" else "ERROR"
+        layout.label(text=shown.line, icon=icon)
+    if shown.report:
+        layout.operator("wm.path_open", text="Open Report", icon="URL").filepath = shown.report
+
+
+CLASSES = (
+    SkylightBatch,
+    SkylightBatchRun,
+    SKYLIGHT_OT_batch_write,
+    SKYLIGHT_OT_batch_start,
+    SKYLIGHT_OT_batch_cancel,
+    SKYLIGHT_PT_batch,
+)
+
+
+def attach() -> None:
+    """Give scenes their study, and the session its run."""
+    bpy.types.Scene.skylight_batch = bpy.props.PointerProperty(type=SkylightBatch)
+    bpy.types.WindowManager.skylight_batch = bpy.props.PointerProperty(type=SkylightBatchRun)
+
+
+def detach() -> None:
+    """Take that off again; a run in the background goes on."""
+    if bpy.app.timers.is_registered(watch):
+        bpy.app.timers.unregister(watch)
+    del bpy.types.Scene.skylight_batch
+    del bpy.types.WindowManager.skylight_batch
