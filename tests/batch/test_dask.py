@@ -29,19 +29,6 @@ pytestmark = [
 
 
 @pytest.fixture(scope="module")
-def elsewhere(tmp_path_factory):
-    """The environment of a machine that has Blender and Dask, but not this package."""
-    shadow = tmp_path_factory.mktemp("shadow")
-    (shadow / "spectral_skylight.py").write_text("raise ImportError('is not on this machine')\n")
-    environment = {**os.environ, "PYTHONPATH": str(shadow)}
-    gone = subprocess.run(
-        [sys.executable, "-c", "import spectral_skylight"], env=environment, capture_output=True
-    )
-    assert b"is not on this machine" in gone.stderr
-    return environment
-
-
-@pytest.fixture(scope="module")
 def cluster(tmp_path_factory, elsewhere):
     cluster = Cluster(tmp_path_factory.mktemp("cluster"), elsewhere)
     yield cluster

@@ -85,7 +85,7 @@ def plan(tmp_path_factory):
     return plan
 
 
-def test_a_submitted_plan_is_rendered(plan, blender, tmp_path, capsys):
+def test_a_submitted_plan_is_rendered(plan, blender, elsewhere, tmp_path, capsys):
     """The paths are the office's; two-way variables make them those of the workers."""
     there = copy_plan(plan, tmp_path / "there")
     (kind,) = ({**manager.job_type(), "name": submit.JOB_TYPE, "etag": "4711"},)
@@ -105,7 +105,7 @@ def test_a_submitted_plan_is_rendered(plan, blender, tmp_path, capsys):
         assert main(send) == 0
     assert capsys.readouterr().out == f"{address}/app/jobs/d0e5\n"
     (job,) = jobs
-    assert job["type_etag"] == "4711"
+    assert (job["name"], job["type_etag"]) == ("study, 6 pictures", "4711")
     required = {setting["key"] for setting in kind["settings"] if setting["required"]}
     assert required <= job["settings"].keys() <= {setting["key"] for setting in kind["settings"]}
 
@@ -119,7 +119,7 @@ def test_a_submitted_plan_is_rendered(plan, blender, tmp_path, capsys):
     assert [task["name"] for task in tasks] == ["pictures 0-2", "pictures 3-5"]
     for task in tasks:
         line = manager.command_line(task, {"blender": blender, "shared": office})
-        done = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path)
+        done = subprocess.run(line, capture_output=True, text=True, cwd=tmp_path, env=elsewhere)
         assert done.returncode == 0, done.stderr
     assert files(there) == files(plan)
 

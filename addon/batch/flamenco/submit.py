@@ -45,18 +45,19 @@ def job_of(
     a file that is no plan or not prepared.
     """
     plan = Path(plan).resolve()
-    total = read_header(plan)["tasks"]
+    header = read_header(plan)
+    name = Path(header["study"]).stem
     if missing := unprepared(plan):
         cure = "batch plan STUDY.toml --prepare"
         raise InputError(plan, f"{missing} is not prepared", cure)
-    pictures = picture_ranges(chunks(read_tasks(plan), size, total, workers))
+    pictures = picture_ranges(chunks(read_tasks(plan), size, header["tasks"], workers))
     return {
-        "name": f"{plan.parent.name}, {total} pictures",
+        "name": f"{name}, {header['tasks']} pictures",
         "type": JOB_TYPE,
         "priority": priority,
         "submitter_platform": platform.system().lower(),  # as Go's GOOS: linux, windows, darwin
         "settings": {"plan": str(plan), "pictures": pictures, "report": report},
-        "metadata": {"project": plan.parent.name},
+        "metadata": {"project": name},
     }
 
 
