@@ -1,6 +1,7 @@
 """Files of reflectances as their publishers write them, made here by what they publish."""
 
 import json
+import random
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.spectra import formats
+from spectral_skylight.addon.spectra.formats import mat_file
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.reflectance import (
     read_all,
@@ -86,19 +88,20 @@ def igsdb(folder, values=RISING):
     return path
 
 
-def matlab(folder, **variables):
+def matlab(folder, saved=None, **variables):
     from scipy.io import savemat
 
     path = folder / "sur_house.mat"
-    savemat(path, variables)
+    savemat(path, variables, **(saved or {}))
     return path
 
 
-def psychtoolbox(folder, values=RISING):
+def psychtoolbox(folder, values=RISING, labels=False, **saved):
     padded = np.zeros((X.size + 4, 2))
     padded[2:-2] = np.column_stack([values, FALLING])
     grid = np.array([[X[0] - 10, 5, X.size + 4]], dtype=np.uint16)
-    return matlab(folder, sur_house=padded, S_house=grid, note="text")
+    more = {"labels_house": np.array(["roof", "Öl"], dtype=object)} if labels else {}
+    return matlab(folder, saved, sur_house=padded, S_house=grid, note="text", **more)
 
 
 def isetcam(folder, values=RISING):
@@ -146,6 +149,12 @@ PUBLISHED = {
     "ECOSTRESS": (ecostress, "Construction Asphalt 0095UUUASP", "manmade, Road"),
     "IGSDB": (igsdb, "Green 60%T transmittance", "glazing, transmittance"),
     "Psychtoolbox": (psychtoolbox, "house 1", None),
+    "Psychtoolbox, packed, with labels": (
+        lambda f, **o: psychtoolbox(f, labels=True, do_compression=True, **o),
+        "roof",
+        None,
+    ),
+    "Psychtoolbox, version 4": (lambda f, **o: psychtoolbox(f, format="4", **o), "house 1", None),
     "ISETCam": (isetcam, "sur_house 1", None),
     "CGATS": (cgats, "dark red", None),
     "CGATS of i1Profiler": (lambda f, **o: cgats(f, "nm{:.0f}", **o), "dark red", None),
@@ -252,6 +261,10 @@ def test_envi_leaves_out_what_is_no_sample_and_what_was_deleted(tmp_path):
     assert "1 of 3 spectra are left out" in " ".join(read_reflectances(path).notes)
 
 
+def two(folder):
+    return envi(folder, [RISING, FALLING])
+
+
 def broken(write, change):
     def make(folder):
         path = write(folder)
@@ -269,10 +282,6 @@ def text(old, new, suffix=None):
         target.write_bytes(content.replace(old, new, 1))
 
     return change
-
-
-def two(folder):
-    return envi(folder, [RISING, FALLING])
 
 
 def unlink_wavelengths(path):
@@ -311,6 +320,14 @@ BROKEN = {
     "MATLAB, misfit": (
         lambda f: matlab(f, sur_a=np.ones((9, 2)), S_a=[400, 10, 31]),
         "9 rows for 31 wavelengths",
+    ),
+    "MATLAB, huge": (
+        lambda f: matlab(f, sur_a=np.ones((9, 2)), S_a=[400, 10, 1e300]),
+        "9 rows for 1e.300",
+    ),
+    "MATLAB 7.3": (
+        broken(psychtoolbox, lambda path: path.write_bytes(b"M" * 512 + b"\x89HDF\r\n")),
+        "save it with -v7",
     ),
     "CGATS, short row": (broken(cgats, text(b'"white" 50.0', b'"white"')), ":10: 133 values for"),
     "CGATS, text": (broken(cgats, text(b"0.10000000", b"none")), ":9: could not convert"),
@@ -358,6 +375,62 @@ def test_spectrometers_with_as_many_channels_are_told_apart(tmp_path):
     assert read_all(path).values[0][40] == pytest.approx(on_grid(RISING)[40], abs=1e-5)
     with pytest.raises(InputError, match="covers 700-"):  # its wavelengths are twice as long
         read_reflectances(path.parent / "copy.txt")
+
+
+def test_matlab_variables_are_those_that_scipy_reads(tmp_path):
+    from scipy.io import loadmat, savemat
+
+    given = {
+        "bytes": np.arange(6, dtype=np.uint8).reshape(2, 3),
+        "single": np.float32([[1.5], [2.5]]),
+        "whole": np.int64([[-3, 4]]),
+        "text": "Grün",
+        "cells": np.array(["a", "bc"], dtype=object),
+        "record": {"label": "x", "nat": 2.0},
+    }
+    for k, options in enumerate(({}, {"do_compression": True})):
+        path = tmp_path / f"{k}.mat"
+        savemat(path, given, **options)
+        ours, theirs = mat_file.variables(path.read_bytes()), loadmat(path)
+        for name in ("bytes", "single", "whole"):
+            np.testing.assert_array_equal(ours[name], theirs[name])
+            assert ours[name].dtype.kind == theirs[name].dtype.kind
+        assert (ours["text"], ours["cells"]) == ("Grün", ["a", "bc"])
+        assert ours["record"]["label"] == ["x"] and ours["record"]["nat"][0] == 2.0
+
+
+@pytest.mark.parametrize(
+    "write", [*(w for w, _, _ in PUBLISHED.values()), two], ids=[*PUBLISHED, "ENVI"]
+)
+def test_damage_of_any_kind_is_one_line(tmp_path, write):
+    """Bytes cut off, changed, taken out and put in, by chance: nothing but `InputError` comes."""
+    chance = random.Random(1)
+    path = write(tmp_path)
+    files = [path, path.with_suffix(".hdr")] if path.suffix == ".sli" else [path]
+    for _ in range(40):
+        target = chance.choice(files)
+        whole = target.read_bytes()
+        data = bytearray(whole)
+        at = chance.randrange(len(data))
+        how = chance.randrange(4)
+        if how == 0:
+            del data[at:]
+        elif how == 1:
+            del data[at : at + chance.randrange(200)]
+        elif how == 2:
+            data[at:at] = chance.choice(
+                [b"nan", b"1e999", b"\0\0\0", b"{", b'"', b"9" * 30, b"<", b"\n"]
+            )
+        else:
+            for _ in range(chance.randrange(1, 20)):
+                data[chance.randrange(len(data))] = chance.randrange(256)
+        target.write_bytes(data)
+        try:
+            values = read_all(path).values
+            assert ((values >= 0) & (values <= 1)).all()
+        except InputError as error:
+            assert "\n" not in str(error)
+        target.write_bytes(whole)
 
 
 def test_names_of_columns_may_hold_colons_and_slashes(tmp_path):

@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ..table import NoSpectra, Table
-from .spectra import table, to_nm, together
+from .mat_file import BrokenFile, variables
+from .spectra import content, table, to_nm, together
 
 NAME = "MATLAB"
 ENDINGS = (".mat",)
 
-_LARGEST = 1 << 26  # values in a variable
+LARGEST_FILE = 1 << 28
+"""Bytes."""
 
 
 def recognises(path: Path, start: bytes) -> bool:
@@ -34,23 +36,11 @@ def read(path: Path) -> Table:
     Raises `InputError` for a broken file, one of MATLAB 7.3 (HDF5) and matrices that do not fit
     their wavelengths; `NoSpectra` for one without surfaces.
     """
-    from scipy.io import loadmat, whosmat
-
     try:
-        shapes = {name: shape for name, shape, _ in whosmat(path)}
-        wanted = [
-            name
-            for name in shapes
-            if name.startswith(("sur_", "S_", "labels_")) or name in ("data", "wavelength")
-        ]
-        if any(np.prod(shapes[name], dtype=float) > _LARGEST for name in wanted):
-            raise InputError(path, "holds a matrix of over 64 million values", "split it")
-        found = loadmat(path, variable_names=wanted, chars_as_strings=True) if wanted else {}
-    except InputError:
-        raise
+        found = variables(content(path, LARGEST_FILE))
     except NotImplementedError:
         raise InputError(path, "is of MATLAB 7.3 (HDF5)", "save it with -v7") from None
-    except Exception as error:  # a damaged file raises whatever its bytes happen to mean
+    except BrokenFile as error:
         raise InputError(path, f"is a broken MATLAB file ({error})", "take it anew") from None
     names: list[str] = []
     curves: list[tuple[NDArray, NDArray]] = []
@@ -76,16 +66,14 @@ def _sets(path: Path, found: dict[str, Any]) -> list[tuple[str, NDArray, NDArray
     """Return each set's name, wavelengths [nm] (k,) and values (k, m)."""
     sets = []
     for key in found:
-        if key.startswith("sur_"):
-            grid = found.get(f"S_{key[4:]}")
-            try:
-                start, step, count = (float(part) for part in np.ravel(grid)[:3])
-                wavelengths = start + step * np.arange(int(count))
-            except (TypeError, ValueError):
-                raise InputError(
-                    f"{path}, S_{key[4:]}", "is not [start step count]", "add it"
-                ) from None
-            sets.append((key[4:], wavelengths, _matrix(path, key, found[key], len(wavelengths))))
+        if not key.startswith("sur_"):
+            continue
+        grid = np.ravel(found.get(f"S_{key[4:]}", ()))
+        if grid.size != 3 or grid.dtype.kind not in "fiu":
+            raise InputError(f"{path}, S_{key[4:]}", "is not [start step count]", "add it")
+        start, step, count = grid.astype(float)
+        values = _matrix(path, key, found[key], count)
+        sets.append((key[4:], start + step * np.arange(len(values)), values))
     if "data" in found and "wavelength" in found:
         wavelengths = to_nm(path, np.ravel(_matrix(path, "wavelength", found["wavelength"], None)))
         values = _matrix(path, "data", found["data"], len(wavelengths))
@@ -93,14 +81,16 @@ def _sets(path: Path, found: dict[str, Any]) -> list[tuple[str, NDArray, NDArray
     return sets
 
 
-def _matrix(path: Path, key: str, value: Any, rows: int | None) -> NDArray[np.float64]:
+def _matrix(path: Path, key: str, value: Any, rows: float | None) -> NDArray[np.float64]:
     """Return a variable as a matrix of numbers with so many rows."""
-    matrix = np.asarray(value)
-    if matrix.dtype.kind not in "fiu" or matrix.ndim != 2:
+    matrix = value if isinstance(value, np.ndarray) else np.empty(0)
+    if matrix.ndim != 2:
         raise InputError(f"{path}, {key}", "is no matrix of numbers", "give one")
     if rows is not None and matrix.shape[0] != rows:
         raise InputError(
-            f"{path}, {key}", f"has {matrix.shape[0]} rows for {rows} wavelengths", "make them fit"
+            f"{path}, {key}",
+            f"has {matrix.shape[0]} rows for {rows:g} wavelengths",
+            "make them fit",
         )
     return matrix.astype(float)
 
@@ -108,15 +98,15 @@ def _matrix(path: Path, key: str, value: Any, rows: int | None) -> NDArray[np.fl
 def _labels(found: dict[str, Any], key: str, count: int) -> list[str]:
     """Return a set's labels where the file has one for each surface."""
     labels = found.get(f"labels_{key}")
-    if labels is None or np.size(labels) != count:
+    if isinstance(labels, dict):
+        labels = next(iter(labels.values()), None)
+    if not isinstance(labels, list) or len(labels) != count:
         return []
-    if labels.dtype.names:
-        labels = labels[labels.dtype.names[0]]
-    return [_words(label) for label in np.ravel(labels)]
+    return [_words(label) for label in labels]
 
 
 def _words(label: Any) -> str:
     """Return the text in nested cells."""
-    while isinstance(label, np.ndarray):
-        label = label.flat[0] if label.size else ""
-    return str(label)
+    while isinstance(label, list):
+        label = label[0] if label else ""
+    return label if isinstance(label, str) else ""
