@@ -14,10 +14,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ..sky.dome import dome as suns
 from ..sky.irradiance import exact_irradiance, fit_coefficients, irradiance_map
 from ..sky.light import FACES
 from ..sky.panorama import directions, solid_angles
 from ..sky.polynomial import exponents, monomials
+
+LIVE = "24 suns, live"
+"""The name of the way that needs no bake."""
 
 _FINER = 2
 """How much finer than the sky's pixels are the rays that walls stop."""
@@ -220,6 +224,19 @@ def _visibility(count: int) -> LightMethod:
     return LightMethod(f"visibility, {count} coefficients", True, prepare)
 
 
+def _suns(sky: Dome, place: Place) -> Held:
+    """Soft suns that shine live, each for its share of the sky (`sky.dome`), with their shadows.
+
+    What a pixel holds is each sun's part that its face sees; what that takes is not counted here.
+    """
+    lamps = suns(sky.rgb)
+    to = directions(len(sky.fine), 2 * len(sky.fine)).reshape(-1, 3)
+    inside = to @ lamps.towards.T >= 1.0 - lamps.solid_angle / (2.0 * np.pi)
+    size = np.repeat(solid_angles(len(sky.fine), 2 * len(sky.fine)), 2 * len(sky.fine)) @ inside
+    seen = place.transfer(len(sky.fine)) @ inside * (lamps.solid_angle / size)
+    return Held(seen.T, (lamps.numbers @ lamps.colours).T, np.matmul)
+
+
 LIGHT_METHODS: dict[str, LightMethod] = {
     method.name: method
     for method in (
@@ -227,6 +244,7 @@ LIGHT_METHODS: dict[str, LightMethod] = {
         *(_polynomial(degree) for degree in (0, 1, 2, 4, 6)),
         *(_texture(width) for width in (16, 64)),
         LightMethod("degree 4 × ambient occlusion", True, _ambient_occlusion),
+        LightMethod(LIVE, True, _suns),
         *(_visibility(count) for count in (9, 16, 25)),
     )
 }
