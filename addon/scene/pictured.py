@@ -8,7 +8,6 @@ from collections.abc import Hashable
 import bpy
 
 from ...node_groups import skylight_surface
-from ..errors import InputError
 from ..pictures.portrait import Portrait, plain
 from . import before, materials, settings, sky_light, textures
 from . import world as worlds
@@ -36,18 +35,18 @@ def portrait(material: bpy.types.Material) -> Portrait | None:
     )
 
 
-def sky_key(world: bpy.types.World) -> tuple[Hashable, ...]:
-    """All that the map of a World's sky depends on; the HDRI by its name and size, a baked World by
-    what its last update found."""
-    try:
-        seen = worlds.sky_of(world)
-    except InputError:
-        return (world.session_uid,)
+def sky_key(world: bpy.types.World) -> tuple[Hashable, ...] | None:
+    """All that the map of a World's sky depends on; an HDRI by its name and size.
+
+    None for a World that must be baked and lights nothing yet: nobody has asked for that work.
+    """
+    sky = worlds.sky_of(world)
     surface = skylight_surface.find(world)
     described = None if surface is None else surface.get(sky_light.DESCRIPTION)
-    image = seen.image
-    shown = (image.name_full, image.filepath, tuple(image.size)) if image else (seen.line,)
-    return (world.session_uid, *shown, world.get(settings.SETTINGS), described)
+    if sky.image is None and described is None:
+        return None
+    file = () if sky.image is None else (sky.image.filepath, tuple(sky.image.size))
+    return world.session_uid, sky.name, file, world.get(settings.SETTINGS), described
 
 
 def expected() -> list[tuple[str, float, float]]:

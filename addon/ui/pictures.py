@@ -99,8 +99,11 @@ class SKYLIGHT_PT_sky_map(panels.OfWorld, bpy.types.Panel):
         from ..scene import pictured
 
         world, theme = context.scene.world, _theme()
-        key = (pictured.sky_key(world), theme)
-        _picture(self.layout, context, key, partial(_draw_sky, world.session_uid, theme))
+        sky = pictured.sky_key(world)
+        if sky is None:
+            readout.paragraph(self.layout, context, "Shows once a material is spectral")
+            return
+        _picture(self.layout, context, (sky, theme), partial(_draw_sky, world.session_uid, theme))
         text = "Magenta is no light of sun and sky: leaves, walls, lamps, a tint"
         readout.paragraph(self.layout, context, text)
 

@@ -117,12 +117,22 @@ def test_the_map_of_the_sky_is_made_anew_for_another_HDRI(applied, made, tmp_pat
     assert len(made) == 2 and (made[0] != made[1]).any()
 
 
-def test_a_world_without_a_sky_says_so(applied, made):
-    applied.world = bpy.data.worlds.new("Grey")
+def test_a_sky_that_cannot_be_read_says_so(applied, made, tmp_path):
+    (tmp_path / "sky.exr").unlink()
+    applied.world.node_tree.nodes["Environment Texture"].image.reload()
     drawn(pictures.SKYLIGHT_PT_sky_map)
     gallery.draw_wanted()
     assert not made
-    assert 'World "Grey"' in drawn(pictures.SKYLIGHT_PT_sky_map).text
+    assert "cannot be read" in drawn(pictures.SKYLIGHT_PT_sky_map).text
+
+
+def test_a_world_to_be_baked_waits_until_someone_wants_its_light(applied):
+    applied.world = bpy.data.worlds.new("Grey")
+    assert pictured.sky_key(applied.world) is None
+    assert "once a material is spectral" in drawn(pictures.SKYLIGHT_PT_sky_map).text
+    bpy.ops.skylight.update()
+    assert pictured.sky_key(applied.world) is not None
+    assert "Drawing..." in drawn(pictures.SKYLIGHT_PT_sky_map).text
 
 
 def test_errors_are_bars(applied):
