@@ -334,7 +334,31 @@ def _set_up(scene: Any, task: dict[str, Any], threads: int) -> None:
             scene.cycles.samples = task["samples"]
     if threads:
         render.threads_mode, render.threads = "FIXED", threads
+    cycles = task["engine"] == "cycles" or (not task["engine"] and render.engine == "CYCLES")
+    if cycles and scene.cycles.device == "GPU":
+        import bpy
+
+        choose_gpu(bpy.context.preferences.addons["cycles"].preferences)
     scene.frame_set(task["frame"])
+
+
+def choose_gpu(preferences: Any) -> str:
+    """Have Cycles use all GPUs of one kind, which factory settings do not, and return the kind.
+
+    ``preferences``: Cycles' own. NONE where there is no GPU: then it renders on the processor. A
+    kind that is chosen already stays.
+    """
+    if preferences.compute_device_type != "NONE":
+        return preferences.compute_device_type
+    for kind in ("OPTIX", "CUDA", "HIP", "METAL", "ONEAPI", "NONE"):
+        with contextlib.suppress(TypeError):  # a kind that this platform does not have
+            preferences.compute_device_type = kind
+            preferences.refresh_devices()
+            for device in preferences.devices:
+                device.use = device.type == kind
+            if any(device.use for device in preferences.devices):
+                break
+    return preferences.compute_device_type
 
 
 def _served() -> Iterator[dict[str, Any]]:
