@@ -21,7 +21,7 @@ from . import sky_visibility
 from . import tree as groups
 
 KIND = "Sky Bake"
-VERSION = 1
+VERSION = 2
 LEVELS = 7  # a face of four corners then has 128 x 128 cells
 LEVEL = "skylight_level"  # on a loose vertex: how often its face is halved
 SPLIT = "skylight_split"  # … whether it is triangulated first
@@ -34,6 +34,7 @@ SOCKETS = [
     ("Faces", "NodeSocketInt"),
     ("Near", "NodeSocketFloat"),
     ("Bounce", "NodeSocketBool"),
+    ("Back", "NodeSocketBool"),
 ]
 
 
@@ -41,7 +42,8 @@ def ensure() -> bpy.types.NodeTree:
     """The `Sky Bake` group of this file, made or updated.
 
     Inputs: Geometry; Bake, the object; Faces, the number of its first loose vertex; Near [object
-    units]; Bounce, whether attributes 5 to 9 are wanted. Output: Geometry.
+    units]; Bounce, whether attributes 5 to 9 are wanted; Back, whether those of backs.
+    Output: Geometry.
     """
     tree = next(iter(groups.of_kind(KIND)), None)
     if tree is None:
@@ -139,6 +141,7 @@ def _build(tree: bpy.types.NodeTree) -> None:
 
     for name in (*map(sky_visibility.attribute, range(5)), sky_visibility.EXACT):
         mesh = keep(mesh, name)
+    mesh = switch("GEOMETRY", given["Back"], mesh, keep(mesh, sky_visibility.BACK))
     bounced = mesh
     for number in range(5, 10):
         bounced = keep(bounced, sky_visibility.attribute(number))

@@ -12,6 +12,8 @@ harmonics of order m by m times the angle. All is in world space; attributes are
     skylight_5 … 9   9 harmonics each of the sky's light by way of two kinds of neighbours; 1 where
                      those were baked
     skylight_exact   what the harmonics leave of one sky's irradiance; that sky's key
+    skylight_back    1 and the part that a face seen from behind has of the open sky's RGB; the same
+                     of what lies below the horizon, without the 1
 """
 
 from __future__ import annotations
@@ -27,8 +29,9 @@ from . import tree as groups
 from .sky_irradiance import ROTATE
 
 KIND = "Sky Visibility"
-VERSION = 2
+VERSION = 3
 EXACT = "skylight_exact"
+BACK = "skylight_back"
 SUN = "Exact for"  # the node with the turn of the sky for which the exact part was made
 KEY = "Key"  # … and with its key
 FADE = 0.9962  # cosine of 5 degrees: so far turned, the exact part is no longer right, and is gone
@@ -90,6 +93,8 @@ def ensure(tree: bpy.types.NodeTree | None = None, bounce: bool = False) -> bpy.
     negative; Ground, the part (0 to 1) of a white face's view that is open below the horizon;
     Baked, 1 where these hold and 0 where a mesh was not baked or elsewhere, as an instance or a
     moved object, or where its face is seen from behind;
+    Back and Back Ground, what a face seen from behind has of the light of open sky and ground,
+    else 1; with `bounce` always 1, for a material has no more than 14 attributes;
     Bounce 1, Bounce 2 and Bounce 1 Sun, Bounce 2 Sun, light by way of neighbours, all 0 without
     `bounce`: another shader, with five more attributes.
     """
@@ -103,6 +108,8 @@ def ensure(tree: bpy.types.NodeTree | None = None, bounce: bool = False) -> bpy.
             ("Irradiance", "NodeSocketVector", None),
             ("Ground", "NodeSocketFloat", None),
             ("Baked", "NodeSocketFloat", None),
+            ("Back", "NodeSocketVector", None),
+            ("Back Ground", "NodeSocketFloat", None),
             ("Bounce 1", "NodeSocketVector", None),
             ("Bounce 1 Sun", "NodeSocketFloat", None),
             ("Bounce 2", "NodeSocketVector", None),
@@ -236,6 +243,21 @@ def _build(tree: bpy.types.NodeTree, bounce: bool) -> None:
     same = maths("MULTIPLY", maths("COMPARE", off, 0.5, NEAR), maths("GREATER_THAN", flag, 0.5))
     baked = maths("MULTIPLY", same, maths("SUBTRACT", 1.0, behind))
     results = [lit(light), ground, baked]
+    if bounce:
+        results += [(1.0, 1.0, 1.0), 1.0]
+    else:
+        # Of another place the flag of the front tells, and without it 1 is missing too.
+        part, below = read(BACK)
+        known = add("ShaderNodeSeparateXYZ", part).outputs[0]
+        known = maths(
+            "MULTIPLY", maths("GREATER_THAN", known, 0.5), maths("MULTIPLY", same, behind)
+        )
+        thrice = add("ShaderNodeCombineXYZ", known, known, known).outputs[0]
+        part = vectors("MAXIMUM", vectors("SUBTRACT", part, (1.0,) * 3), (0.0,) * 3)
+        results += [
+            vectors("MULTIPLY_ADD", vectors("SUBTRACT", part, (1.0,) * 3), thrice, (1.0,) * 3),
+            maths("MULTIPLY_ADD", maths("SUBTRACT", below, 1.0), known, 1.0),
+        ]
     if bounce:
         # A missing attribute reads 0 with alpha 1, which would be a constant harmonic.
         spare = add("ShaderNodeSeparateXYZ", read(attribute(9))[0]).outputs

@@ -23,7 +23,7 @@ from . import light_probe, normals, sky_irradiance, sky_visibility, spectral_mat
 from . import tree as groups
 
 KIND = "Skylight Surface"
-VERSION = 2
+VERSION = 3
 SKY = "Sky"  # the nodes whose Rotation and Strength follow the World
 GROUND = "Ground"
 PROBE = "Probe"
@@ -229,12 +229,13 @@ def _build(
     sky = light(SKY).outputs[0]
     seen: Any = light(VISIBILITY).outputs if VISIBILITY in parts else None
     if seen:
-        sky = choice(seen["Baked"], sky, seen["Irradiance"])
+        sky = choice(seen["Baked"], vector("MULTIPLY", sky, seen["Back"]), seen["Irradiance"])
     both = []  # light that both engines know
     if GROUND in parts:
         ground = light(GROUND).outputs[0]
         if seen:
-            ground = choice(seen["Baked"], ground, scaled(ground, open_below(seen["Ground"])))
+            back = scaled(ground, seen["Back Ground"])
+            ground = choice(seen["Baked"], back, scaled(ground, open_below(seen["Ground"])))
         both.append(vector("MULTIPLY", given["Ground"], ground))
     if bounce:
         for name in BOUNCES:

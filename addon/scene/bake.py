@@ -226,13 +226,18 @@ def light(
         transfer = np.stack(
             [values[n][:, c] for n, c in (names.PLACES[key] for key in KEYS)], axis=1
         )
-        normals = bake_mesh.read_attribute(bake, bake_mesh.NORMAL, points)[:, :3]
+        normals, backed = np.split(bake_mesh.read_attribute(bake, bake_mesh.NORMAL, points), [3], 1)
         bits = bake_mesh.read_bits(bake, points)
         if not bits.size:
             continue  # an older bake, of harmonics alone
         left = visibility.exact(sky, normals, bits) - rotate(transfer, turn) @ fit.coefficients
         colour = np.concatenate([left, np.full((points, 1), key)], axis=1)
         bake_mesh.write_attribute(bake, names.EXACT, colour)
+        behind = bake_mesh.read_bits(bake, points, bake_mesh.BEHIND)
+        if behind.size:
+            back = bake_mesh.read_attribute(bake, names.BACK, points)
+            back[:, :3] = backed * (1.0 + visibility.passing(sky, -normals, behind))
+            bake_mesh.write_attribute(bake, names.BACK, back)
         bake.data.update()
         bake.update_tag()
     names.set_exact(tree, key, (float(np.cos(turn)), float(np.sin(turn))))

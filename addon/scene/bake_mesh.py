@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from ...node_groups import modifiers, sky_bake
 
 BITS = "skylight_shares"  # with a number: of 16 rays of a point, how much reaches the sky
-NORMAL = "skylight_normal"  # a point's normal in the world
+BEHIND = "skylight_behind"  # … the same as seen from behind
+NORMAL = "skylight_normal"  # a point's normal in the world; 1 where its back was baked
 STEP = 1e-5  # of the object's size: corners nearer than this, and with one normal, are one point
 
 
@@ -166,10 +167,10 @@ def write(
     levels: NDArray,
     split: NDArray,
     attributes: Mapping[str, NDArray],
-    bits: NDArray[np.uint8],
+    bits: Mapping[str, NDArray[np.uint8]],
     normals: NDArray,
 ) -> None:
-    """Keep a bake: attributes (p, 4), rays (p, rays / 4) and normals (p, 3) of `fine`'s points."""
+    """Keep a bake: attributes (p, 4), shares of rays (p, rays / 4) and normals (p, 4) of points."""
     mesh, points = bake.data, len(fine.places)
     mesh.clear_geometry()
     mesh.vertices.add(points + len(levels))
@@ -186,16 +187,17 @@ def write(
     _store(mesh, sky_bake.LEVEL, "INT", padded)
     padded[points:] = split
     _store(mesh, sky_bake.SPLIT, "BOOLEAN", padded.astype(bool))
-    for number, column in enumerate(np.ascontiguousarray(bits).view(np.int32).T):
-        padded[:points] = column
-        padded[points:] = 0
-        _store(mesh, f"{BITS}_{number}", "INT", padded)
+    padded[points:] = 0
+    for name, each in bits.items():
+        for number, column in enumerate(np.ascontiguousarray(each).view(np.int32).T):
+            padded[:points] = column
+            _store(mesh, f"{name}_{number}", "INT", padded)
     for name, values in attributes.items():
         write_attribute(bake, name, values)
-    write_attribute(bake, NORMAL, np.concatenate([normals, np.ones((points, 1))], axis=1))
+    write_attribute(bake, NORMAL, normals)
     modifier = modifier_of(obj)
     near = sky_bake.NEAR * float(np.ptp(fine.places, axis=0).max())
-    modifiers.set_inputs(modifier, Faces=points, Near=near)
+    modifiers.set_inputs(modifier, Faces=points, Near=near, Back=BEHIND in bits)
     bake.update_tag()
     obj.update_tag()
 
@@ -217,13 +219,13 @@ def read_attribute(bake: bpy.types.Object, name: str, points: int) -> NDArray[np
     return values.reshape(-1, 4)[:points]
 
 
-def read_bits(bake: bpy.types.Object, points: int) -> NDArray[np.uint8]:
+def read_bits(bake: bpy.types.Object, points: int, name: str = BITS) -> NDArray[np.uint8]:
     """How far the rays of each point reach the sky (`visibility.Views`), (points, rays / 4).
 
     Empty of a bake that knew it otherwise, as older ones do.
     """
     columns: list[NDArray] = []
-    while (found := bake.data.attributes.get(f"{BITS}_{len(columns)}")) is not None:
+    while (found := bake.data.attributes.get(f"{name}_{len(columns)}")) is not None:
         values = np.empty(len(bake.data.vertices), np.int32)
         found.data.foreach_get("value", values)
         columns.append(values[:points])

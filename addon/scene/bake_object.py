@@ -76,6 +76,7 @@ def bake_object(
         return [f'object "{obj.name}" {problem}: not baked']
 
     lines: list[str] = []
+    is_open = _is_open(fine)
     # Cells cannot be told from what the rays themselves leave.
     tolerance = max(tolerance, 3.0 * rays**-0.75)
     levels, split = _first_levels(obj, fine, wanted, around.size)
@@ -122,7 +123,22 @@ def bake_object(
     flag = points.shown * names.mark(obj.matrix_world)
     attributes = _attributes(views, flag)
     split = split & (levels > 0)
-    bake_mesh.write(obj, kept, fine, levels, split, attributes, views.bits, points.normals)
+    bits = {bake_mesh.BITS: views.bits}
+    backed = np.zeros(len(flag))
+    if is_open:
+        behind = visibility.Views.empty(len(flag), rays // 2)
+        starts, turned = points.starts_behind, -points.normals
+        for done in _look(behind, np.flatnonzero(points.shown), around, starts, turned, slow):
+            yield 1.0 - 0.1 * (1.0 - done)
+        behind = _filled(fine, points, behind)
+        backed = points.shown & ~behind.inside
+    if backed.any():
+        free = np.maximum(0.5 + 0.5 * points.normals[:, 2], 1e-3)
+        back = np.zeros((len(flag), 4), np.float32)
+        back[:, 3] = behind.ground / free
+        attributes[names.BACK], bits[bake_mesh.BEHIND] = back, behind.bits
+    normals = np.column_stack([points.normals, backed])
+    bake_mesh.write(obj, kept, fine, levels, split, attributes, bits, normals)
     yield 1.0
     return lines
 
@@ -158,6 +174,7 @@ class Points:
         off = [np.bincount(fine.point, column, count) for column in (*inwards.T, lift[fine.face])]
         off = np.stack(off, axis=1) / np.maximum(shares, 1)[:, None]
         self.starts = self.places + off[:, :3] + off[:, 3:] * self.normals
+        self.starts_behind = self.places + off[:, :3] - off[:, 3:] * self.normals
         normal = fine.mean(self.normals[fine.point])
         self.middle_normals = normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-9)[:, None]
         self.middles = middles + lift[:, None] * self.middle_normals
@@ -181,6 +198,18 @@ def evaluated(obj: bpy.types.Object) -> bake_mesh.Fine | None:
     managed = [each is not None and nodes.MANAGED in each for each in materials]
     fine.managed = np.array(managed)[fine.slots]
     return fine
+
+
+def _is_open(fine):
+    """Whether faces end somewhere, so that their backs may be seen."""
+    step = bake_mesh.STEP * (float(np.ptp(fine.places, axis=0).max()) or 1.0)
+    where = np.round(fine.places / step).astype(np.int64)
+    corner = np.unique(where, axis=0, return_inverse=True)[1].reshape(-1)[fine.point]
+    last, following = fine.starts[1:] - 1, np.arange(1, len(corner) + 1)
+    following[last] = fine.starts[:-1]
+    edges = np.sort(np.stack([corner, corner[following]], axis=1), axis=1)
+    edges = edges[edges[:, 0] != edges[:, 1]]
+    return bool((np.unique(edges, axis=0, return_counts=True)[1] == 1).any())
 
 
 def _first_levels(obj, fine, wanted, size):

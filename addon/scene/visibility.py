@@ -232,17 +232,28 @@ def exact(sky: Sky, normals: NDArray, bits: NDArray[np.uint8]) -> NDArray[np.flo
     What an open face receives, exactly, times the part of it that the rays let pass: for a face
     that nothing hides it is without error.
     """
-    rays = 4 * bits.shape[1]
     c, s = np.cos(sky.turn), np.sin(sky.turn)
     turned = normals @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-    _, first, index = np.unique(
+    _, first, index = _alike(normals)
+    return passing(sky, normals, bits) * exact_irradiance(sky.panorama, turned[first])[index]
+
+
+def passing(sky: Sky, normals: NDArray, bits: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """Return which part (n, 3) of an open face's RGB of a sky reaches points."""
+    rays = 4 * bits.shape[1]
+    _, first, index = _alike(normals)
+    order = np.argsort(index, kind="stable")
+    groups = np.split(order, np.cumsum(np.bincount(index))[:-1])
+    result = np.zeros((len(normals), 3))
+    for at, normal in zip(groups, normals[first], strict=True):
+        light = sky.radiance(directions(normal[None], rays)[0])
+        result[at] = shares(bits[at]) @ light / np.maximum(light.sum(axis=0), 1e-30)
+    return result
+
+
+def _alike(normals):
+    """Normals that are as good as one, the first of each, and which each point has."""
+    unique, first, index = np.unique(
         np.round(normals, 3), axis=0, return_index=True, return_inverse=True
     )
-    order = np.argsort(index.reshape(-1), kind="stable")
-    groups = np.split(order, np.cumsum(np.bincount(index.reshape(-1)))[:-1])
-    whole = exact_irradiance(sky.panorama, turned[first])
-    result = np.empty((len(normals), 3))
-    for at, normal, irradiance in zip(groups, normals[first], whole, strict=True):
-        light = sky.radiance(directions(normal[None], rays)[0])
-        result[at] = shares(bits[at]) @ light * (irradiance / np.maximum(light.sum(axis=0), 1e-30))
-    return result
+    return unique, first, index.reshape(-1)

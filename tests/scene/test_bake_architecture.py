@@ -1,11 +1,14 @@
 """Ordinary architecture is baked: whatever shows a managed material."""
 
 import numpy as np
+import OpenEXR
 import pytest
 
 bpy = pytest.importorskip("bpy")
 
-from spectral_skylight.addon.scene import bake, bake_mesh, instances  # noqa: E402
+from spectral_skylight.addon.scene import bake, bake_mesh, instances, spectral  # noqa: E402
+from spectral_skylight.addon.scene import render as renders  # noqa: E402
+from spectral_skylight.addon.sky.panorama import write_panorama  # noqa: E402
 from spectral_skylight.node_groups import sky_visibility  # noqa: E402
 from spectral_skylight.node_groups import tree as groups  # noqa: E402
 from spectral_skylight.tests import faces  # noqa: E402
@@ -273,3 +276,45 @@ def test_the_foot_of_a_wall_casts_no_shadow_inside_out():
     assert np.count_nonzero(beside) > 3
     # A long wall hides half the sky from its foot, this short one less.
     assert np.all(fine.mean(share)[beside] > 0.49)
+
+
+def test_a_single_wall_has_light_on_its_back(tmp_path):
+    """Under a canopy, and as the instance of a collection in the open, beside numpy."""
+    scene = faces.empty_scene()
+    sky = np.zeros((32, 64, 3), np.float32)
+    sky[:16] = 0.4, 0.6, 1.0
+    write_panorama(tmp_path / "sky.exr", sky)
+    world = spectral.set_sky(scene, tmp_path / "sky.exr", spectral.Settings())
+    paint = bpy.data.materials.new("Paint")
+    wall = shown("Wall", [(2, 0, 0), (-2, 0, 0), (-2, 0, 2), (2, 0, 2)], [(0, 1, 2, 3)], paint)
+    around = [(-20, -4, 3), (5, -4, 3), (5, 0, 3), (-20, 0, 3)]
+    shown("Canopy", around, [(3, 2, 1, 0)], bpy.data.materials.new("Plain"))
+    twin = bpy.data.objects.new("Twin", wall.data)
+    empty("Free", collection("Walls", twin), location=(60, 0, 0))
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.data.type, camera.data.ortho_scale, camera.data.clip_end = "ORTHO", 2, 200
+    camera.rotation_euler = (np.pi / 2, 0, 0)
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    settings = spectral.Settings(ground="none", occlusion="baked", tolerance=None)
+    spectral.make_spectral(world, {paint: ("half", np.full(81, 0.5))}, settings)
+    assert bake.run(bake.bake(rays=1024))[-1] == "2 object(s) baked"
+    spectral.update(world, settings)
+    seen = []
+    for x in (0.0, 60.0):
+        camera.location = x, -30, 1
+        exr, _ = renders.render(scene, tmp_path / f"{x}.exr", engine="eevee")
+        with OpenEXR.File(str(exr)) as file:
+            seen.append(next(iter(file.channels().values())).pixels[..., :3].mean(axis=(0, 1)))
+    # Upright, half of the sky is seen; of that the canopy hides what is numbered here.
+    up, along = np.meshgrid(*((np.arange(n) + 0.5) / n for n in (400, 800)), indexing="ij")
+    z, azimuth = up.ravel(), np.pi * along.ravel()  # of the half in front of the back
+    y = np.sqrt(1 - z**2) * np.sin(azimuth)
+    x = np.sqrt(1 - z**2) * np.cos(azimuth)
+    far = 2.0 / z  # from the middle of the wall, 2 m under it
+    hidden = (y * far < 4) & (x * far > -20) & (x * far < 5)
+    part = (y * ~hidden).sum() / y.sum()
+    np.testing.assert_allclose(seen[1], 0.5 * 0.5 * np.array([0.4, 0.6, 1.0]), rtol=0.02)
+    # Over the wall's height the canopy is nearer and farther: of its middle, 3 %.
+    np.testing.assert_allclose(seen[0], part * seen[1], rtol=0.05)
