@@ -76,13 +76,15 @@ def coefficients(tree: bpy.types.NodeTree) -> dict[Exponent, tuple[float, float,
 def set_coefficients(tree: bpy.types.NodeTree, values: Mapping[Exponent, Iterable[float]]) -> None:
     """Write the RGB coefficients of the given terms; the others keep theirs.
 
-    Raises KeyError for a term that is over the group's degree.
+    What is there already is not written: Blender looks at all materials that use the group after
+    each. Raises KeyError for a term that is over the group's degree.
     """
     for key, rgb in values.items():
-        vector = _vector(tree, key)
+        vector, wanted = _vector(tree, key), tuple(rgb)
         if vector is None:
             raise KeyError(key)
-        vector[:] = tuple(rgb)
+        if tuple(vector) != wanted:
+            vector[:] = wanted
 
 
 def _name(key: Exponent) -> str:
