@@ -86,9 +86,13 @@ def _changed(scene, depsgraph) -> None:
     global _moved
     for update in depsgraph.updates:
         changed = update.id
-        if isinstance(changed, bpy.types.Material):
-            if MANAGED in changed:
-                _look_at(changed.original)
+        if isinstance(changed, bpy.types.Material) and MANAGED in changed:
+            _look_at(changed.original)  # its viewport colour, where it has no nodes of its own
+        elif isinstance(changed, bpy.types.NodeTree) and changed.is_embedded_data:
+            # The old shader shows no more: of its values' changes only the tree is told.
+            for material in bpy.data.materials:
+                if MANAGED in material and material.node_tree == changed.original:
+                    _look_at(material)
         elif isinstance(changed, bpy.types.Object) and changed.type not in ("LIGHT", "EMPTY"):
             _moved = _moved or update.is_updated_transform or update.is_updated_geometry
 
@@ -122,9 +126,11 @@ HANDLERS = {
 }
 
 
-def attach() -> None:
-    """Begin to watch, where there is a window."""
-    for name, handler in () if bpy.app.background else HANDLERS.items():
+def attach(background: bool = False) -> None:
+    """Begin to watch, where there is a window, or also without one."""
+    if bpy.app.background and not background:
+        return
+    for name, handler in HANDLERS.items():
         getattr(bpy.app.handlers, name).append(handler)
 
 
