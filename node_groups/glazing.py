@@ -29,7 +29,7 @@ def ensure() -> bpy.types.NodeTree:
     glass at all). Output: Shader.
     """
     return groups.ensure(
-        next(iter(groups.of_kind(KIND)), None),
+        groups.known(KIND, VERSION),
         KIND,
         VERSION,
         [

@@ -55,7 +55,7 @@ def ensure(kind: str) -> bpy.types.NodeTree:
     if kind != GLOSS:
         inputs += [(name, "NodeSocketColor", (1.0, 1.0, 1.0, 1.0)) for name in METAL_COLOURS]
     return groups.ensure(
-        next(iter(groups.of_kind(kind)), None),
+        groups.known(kind, VERSION),
         kind,
         VERSION,
         [

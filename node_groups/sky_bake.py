@@ -45,7 +45,7 @@ def ensure() -> bpy.types.NodeTree:
     units]; Bounce, whether attributes 5 to 9 are wanted; Back, whether those of backs.
     Output: Geometry.
     """
-    tree = next(iter(groups.of_kind(KIND)), None)
+    tree = groups.known(KIND, VERSION)
     if tree is None:
         tree = bpy.data.node_groups.new(KIND, "GeometryNodeTree")
         tree[groups.KIND] = KIND

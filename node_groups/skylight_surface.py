@@ -66,6 +66,24 @@ def world_of(tree: bpy.types.NodeTree) -> bpy.types.World | None:
     return next((d.driver.variables[0].targets[0].id for d in drivers), None)
 
 
+def is_newer(world: bpy.types.World) -> bool:
+    """Whether a World's groups were made by newer code than this, which must not touch them."""
+    surface = find(world)
+    if surface is None:
+        return False
+    inside = {
+        SKY: sky_irradiance.VERSION,
+        GROUND: sky_irradiance.VERSION,
+        PROBE: light_probe.VERSION,
+        VISIBILITY: sky_visibility.VERSION,
+    }
+    return groups.is_newer(surface, VERSION) or any(
+        groups.is_newer(tree, version)
+        for name, version in inside.items()
+        if (tree := part(surface, name)) is not None
+    )
+
+
 def part(tree: bpy.types.NodeTree, name: str) -> bpy.types.NodeTree | None:
     """The group inside a `Skylight Surface` group that is its `SKY`, `GROUND`, `PROBE` or
     `VISIBILITY`; None where it has none."""

@@ -18,7 +18,7 @@ def ensure() -> bpy.types.NodeTree:
     negative entries are fine). Output: Color, unclamped.
     """
     return groups.ensure(
-        next(iter(groups.of_kind(KIND)), None),
+        groups.known(KIND, VERSION),
         KIND,
         VERSION,
         [("Color", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0)), *row_sockets()],

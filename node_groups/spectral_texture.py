@@ -29,7 +29,7 @@ def ensure() -> bpy.types.NodeTree:
     RGB. Outputs: `OUTPUTS`, to be linked to the inputs of a surface that have these names.
     """
     return groups.ensure(
-        next(iter(groups.of_kind(KIND)), None),
+        groups.known(KIND, VERSION),
         KIND,
         VERSION,
         [

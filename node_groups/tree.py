@@ -21,6 +21,16 @@ def of_kind(kind: str) -> list[bpy.types.NodeTree]:
     return [t for t in bpy.data.node_groups if t.library is None and t.get(KIND) == kind]
 
 
+def known(kind: str, version: int) -> bpy.types.NodeTree | None:
+    """The first of this file's groups of a kind that is no newer than a version, None without."""
+    return next((t for t in of_kind(kind) if not is_newer(t, version)), None)
+
+
+def is_newer(tree: bpy.types.NodeTree, version: int) -> bool:
+    """Whether a group was made by a newer version of its kind: it is to be left alone."""
+    return tree.get(VERSION, 0) > version
+
+
 def kind_of(node: bpy.types.Node) -> str | None:
     """The kind of the group of ours that a node shows, None for any other node."""
     tree = node.node_tree if node.type == "GROUP" else None
@@ -84,6 +94,36 @@ def instances(tree: bpy.types.NodeTree) -> Iterator[bpy.types.Node]:
     owners = (*bpy.data.materials, *bpy.data.worlds)
     trees = (*(o.node_tree for o in owners if o.node_tree), *bpy.data.node_groups)
     return (n for t in trees for n in t.nodes if n.type == "GROUP" and n.node_tree == tree)
+
+
+def show(node: bpy.types.Node, tree: bpy.types.NodeTree) -> None:
+    """Let a group node show another group of its kind; links and values stay with their names.
+
+    Blender itself goes by identifiers, which differ between a new group and an upgraded one.
+    """
+    if node.node_tree == tree:
+        return
+    links = node.id_data.links
+    values = {s.name: _value(s) for s in node.inputs if hasattr(s, "default_value")}
+    sources = {s.name: s.links[0].from_socket for s in node.inputs if s.is_linked}
+    targets = [(s.name, link.to_socket) for s in node.outputs for link in s.links]
+    node.node_tree = tree
+    for name, value in values.items():
+        if name in node.inputs:
+            node.inputs[name].default_value = value
+    for socket in node.inputs:
+        for link in list(socket.links):
+            links.remove(link)
+        if socket.name in sources:
+            links.new(sources[socket.name], socket)
+    for name, target in targets:
+        if name in node.outputs:
+            links.new(node.outputs[name], target)
+
+
+def _value(socket: bpy.types.NodeSocket) -> Any:
+    value = socket.default_value
+    return tuple(value) if hasattr(value, "__len__") else value
 
 
 def add(tree: bpy.types.NodeTree, type_name: str, *sources: Any, **settings: Any) -> bpy.types.Node:

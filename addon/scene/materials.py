@@ -71,7 +71,7 @@ def apply(
         remove(material)
         node = _take_over(material, sky_light.ensure(world), gloss, textured)
         group = node.node_tree
-    node.node_tree = group
+    groups.show(node, group)
     _set(node, matrix, reflected)
     _tell_engines_apart(material.node_tree, node)
     owned.own(material)
@@ -245,6 +245,9 @@ def check_editable(material: bpy.types.Material) -> None:
         raise InputError(
             place, "is a library override", "make it local, or edit it in its own file"
         )
+    record = material.get(nodes.MANAGED, {})
+    if record.get("version", 0) > skylight_surface.VERSION:
+        raise InputError(place, "was made by a newer version of this add-on", "update the add-on")
     if material.grease_pencil is not None:
         raise InputError(place, "is for Grease Pencil", "choose a surface material")
 

@@ -98,7 +98,7 @@ def metal_of(material: bpy.types.Material) -> tuple[NDArray, NDArray] | None:
 def refresh(scenes: Iterable[bpy.types.Scene], light: SkyLight, transfer: Transfer) -> list[str]:
     """Colour glass and metal by a sky, and let the lamps of scenes through panes; warnings."""
     sky = transfer.restoration @ transfer.unbalanced(light.faces.mean(axis=0))
-    for material in bpy.data.materials:
+    for material in [m for m in bpy.data.materials if m.is_editable]:
         if (metal := metal_of(material)) is not None:
             look.set_metal(material, *tints(*metal, sky, transfer.space))
             plain = zip(gloss.METAL_COLOURS, tints(*metal, D65(), transfer.space), strict=True)

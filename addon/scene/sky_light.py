@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 
 from ...node_groups import light_probe, sky_irradiance, skylight_surface
+from ..errors import InputError
 from . import world as worlds
 
 DESCRIPTION = "spectral_skylight_description"  # JSON, for custom properties hold no nested lists
@@ -24,9 +25,15 @@ def ensure(
 
     It follows by drivers, so keyframes work in a file without the add-on. A renamed Mapping or
     Background node is followed again from the next call on. Raises InputError where
-    `world.sky_of` does.
+    `world.sky_of` does, and where a newer version of the add-on has made the groups.
     """
     sky = worlds.sky_of(world)
+    if skylight_surface.is_newer(world):
+        raise InputError(
+            f'World "{world.name}"',
+            "has light by a newer version of this add-on",
+            "update the add-on",
+        )
     return skylight_surface.ensure(
         world,
         worlds.value_path(world, sky.background, "Strength"),

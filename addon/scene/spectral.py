@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..errors import InputError
 from ..sky.light import SkyLight
 from ..sky.panorama import read_panorama
 from ..spectra.reflectance import reflectance_hash
@@ -24,6 +25,7 @@ from ..transfer.white import AUTO, estimate_white, settle_white
 from . import (
     before,
     bounce,
+    doubles,
     lights,
     materials,
     openness,
@@ -219,6 +221,7 @@ def making_spectral(
         for scene in lights.scenes_of(world):
             warned += view.refresh(scene, description["level"])
         sky_light.describe(world, {**description, "lights": [*found.lines, *warned]})
+        doubles.merge()
     return light, results
 
 
@@ -226,7 +229,13 @@ def _relight(
     world: bpy.types.World, found: lights.Lights, fresh: list[bpy.types.Material]
 ) -> list[str]:
     """Let what a World already lit follow its new light, all but the fresh; return warnings."""
+    lines = []
     for material in set(materials.managed_materials(world)) - set(fresh):
+        try:
+            materials.check_editable(material)
+        except InputError as error:
+            lines.append(f"skipped: {error}")
+            continue
         managed = materials.managed(material)
         assert managed is not None
         name, rho = materials.kept(material)
@@ -234,7 +243,8 @@ def _relight(
         materials.update(material, managed.matrix, given)
         if (varied := textures.varied(material, name, rho)) is not None:
             materials.set_texture(material, textures.values(found, varied))
-    return lights.refresh(world) + [
+    lines += lights.refresh(world)
+    return lines + [
         f"{material.name}: not shown while it is spectral: {', '.join(missing)}"
         for material in fresh
         if (missing := materials.look_of(material).left_out)

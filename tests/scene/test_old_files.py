@@ -1,0 +1,117 @@
+"""Files of earlier versions (tests/files): they render as they did, and are upgraded in place."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from spectral_skylight.addon.errors import InputError  # noqa: E402
+from spectral_skylight.addon.scene import materials, nodes, pictured, spectral  # noqa: E402
+from spectral_skylight.addon.scene.settings import Settings, stored  # noqa: E402
+from spectral_skylight.addon.spectra.reflectance import read_reflectances  # noqa: E402
+from spectral_skylight.node_groups import skylight_surface, spectral_matrix  # noqa: E402
+from spectral_skylight.node_groups import tree as groups  # noqa: E402
+from spectral_skylight.tests import faces  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+FILES = Path(__file__).parents[1] / "files"
+OLD = ["surface1", "surface1_models", "surface2"]
+NAMES = ["Brick", "Tile", "Copper"]
+
+
+def opened(name):
+    bpy.ops.wm.open_mainfile(filepath=str(FILES / f"{name}.blend"), load_ui=False)
+    return bpy.context.scene
+
+
+def settings_of(scene):
+    return Settings(**stored(scene.world))
+
+
+def fresh(basis):
+    """What this version makes of the file that all were made from."""
+    scene = opened("base")
+    read = read_reflectances(FILES / "paints.csv")
+    given = {
+        bpy.data.materials[name]: (read.names[k], read.values[k]) for k, name in enumerate(NAMES)
+    }
+    spectral.make_spectral(scene.world, given, Settings(basis=basis))
+    return scene
+
+
+def surface(name):
+    return next(
+        n for n in bpy.data.materials[name].node_tree.nodes if n.get("spectral_skylight_node")
+    )
+
+
+def test_old_files_are_small():
+    assert all(path.stat().st_size < 200_000 for path in FILES.glob("*.blend"))
+
+
+@pytest.mark.parametrize("name", OLD)
+def test_an_old_file_renders_as_it_did_and_like_new_after_an_update(name, tmp_path):
+    scene = opened(name)
+    kept = json.loads((FILES / "expected.json").read_text())[name]["cycles"]
+    np.testing.assert_allclose(faces.seen(scene, tmp_path, 9, "cycles"), kept, rtol=5e-3, atol=1e-4)
+    for each in NAMES:  # what panels and pictures ask for
+        managed = materials.managed(bpy.data.materials[each])
+        assert managed.reflectance_name == each.lower()
+        assert managed.extra["values"]
+        assert pictured.portrait(bpy.data.materials[each]).draw_curve() is not None
+    assert len(pictured.expected()) == 3
+
+    group = skylight_surface.find(scene.world)
+    trees = {t.name for t in bpy.data.node_groups}
+    identity = group.session_uid
+    bump = bpy.data.materials["Brick"].node_tree.nodes["Bump"]
+    surface("Tile").inputs["Alpha"].default_value = 1.0
+    spectral.update(scene.world, settings_of(scene), spectral.in_scene(scene))
+    group = skylight_surface.find(scene.world)
+    assert (group.session_uid, group[groups.VERSION]) == (identity, skylight_surface.VERSION)
+    assert trees <= {t.name for t in bpy.data.node_groups} | {"Sky Probe"}
+    assert not any(".0" in t.name for t in bpy.data.node_groups)
+    node = surface("Brick")
+    assert node.node_tree == group
+    assert node.inputs["Normal"].links[0].from_node == bump
+    record = bpy.data.materials["Brick"][nodes.MANAGED]
+    assert record["version"] == skylight_surface.VERSION
+    now = faces.seen(scene, tmp_path, 9, "cycles")
+    scene = fresh(settings_of(scene).basis)  # that of the file is kept
+    np.testing.assert_allclose(now, faces.seen(scene, tmp_path, 9, "cycles"), rtol=1e-4, atol=1e-5)
+
+
+@pytest.mark.slow
+def test_old_files_in_eevee(tmp_path):
+    kept = json.loads((FILES / "expected.json").read_text())["surface1"]["eevee"]
+    scene = opened("surface1")
+    shown = faces.seen(scene, tmp_path, 9)
+    np.testing.assert_allclose(shown, kept, rtol=5e-3, atol=1e-3)
+    spectral.update(scene.world, settings_of(scene), spectral.in_scene(scene))
+    now = faces.seen(scene, tmp_path, 9)
+    scene = fresh("rayleigh")
+    np.testing.assert_allclose(now, faces.seen(scene, tmp_path, 9), rtol=2e-3, atol=1e-3)
+
+
+def test_a_file_of_a_newer_version_is_told_and_left_alone(tmp_path):
+    scene = opened("surface2")
+    before = faces.seen(scene, tmp_path, 9, "cycles")
+    newer = skylight_surface.VERSION + 1
+    material, group = bpy.data.materials["Brick"], skylight_surface.find(scene.world)
+    inside = list(group.nodes)
+    group[groups.VERSION] = newer
+    with pytest.raises(InputError, match="newer version of this add-on; update the add-on"):
+        spectral.update(scene.world, settings_of(scene), spectral.in_scene(scene))
+    material[nodes.MANAGED]["version"] = newer
+    for change in (materials.check_editable, materials.remove):
+        with pytest.raises(InputError, match='"Brick": was made by a newer version'):
+            change(material)
+    assert list(group.nodes) == inside and group[groups.VERSION] == newer
+    np.testing.assert_array_equal(faces.seen(scene, tmp_path, 9, "cycles"), before)
+    shared = spectral_matrix.ensure()
+    shared[groups.VERSION] = spectral_matrix.VERSION + 1  # appended from a newer file
+    assert spectral_matrix.ensure() != shared

@@ -1,0 +1,242 @@
+"""Managed materials from other files and copies of all kinds: linked, appended, overridden."""
+
+import numpy as np
+import pytest
+
+bpy = pytest.importorskip("bpy")
+
+from spectral_skylight.addon.errors import InputError  # noqa: E402
+from spectral_skylight.addon.scene import materials, nodes, receivers, spectral, sun_lamp  # noqa: E402
+from spectral_skylight.addon.scene import world as worlds  # noqa: E402
+from spectral_skylight.addon.scene.settings import Settings  # noqa: E402
+from spectral_skylight.addon.sky.panorama import write_panorama  # noqa: E402
+from spectral_skylight.addon.spectra.grid import WAVELENGTHS  # noqa: E402
+from spectral_skylight.node_groups import gloss, skylight_surface  # noqa: E402
+from spectral_skylight.node_groups import tree as groups  # noqa: E402
+from spectral_skylight.tests import faces  # noqa: E402
+
+pytestmark = pytest.mark.blender
+
+SETTINGS = Settings(basis="rayleigh", gloss=True)
+BRICK = ("brick", np.interp(WAVELENGTHS, [400, 560, 620, 700], [0.06, 0.1, 0.4, 0.55]))
+
+
+def sky(path, seed):
+    """A sky with a sun, other light for another seed."""
+    rgb = faces.smooth_sky(seed, 64)
+    rgb[24, 20 + 10 * seed] = (9000.0, 8000.0, 6000.0)
+    write_panorama(path, rgb)
+    return path
+
+
+def house(folder, seed=1, name="Brick"):
+    """A scene of one spectral wall under a sky."""
+    scene = faces.empty_scene()
+    world = worlds.set_sky(scene, sky(folder / f"sky{seed}.exr", seed))
+    material = bpy.data.materials.new(name)
+    nodes.use(material)
+    obj = faces.add_faces(scene, faces.directions(4))
+    obj.data.materials[0] = material
+    obj.name = "Wall"
+    tree = material.node_tree
+    tree.nodes["Principled BSDF"].inputs["Roughness"].default_value = 0.9
+    bump = tree.nodes.new("ShaderNodeBump")
+    tree.links.new(bump.outputs[0], tree.nodes["Principled BSDF"].inputs["Normal"])
+    spectral.make_spectral(world, {material: BRICK}, SETTINGS)
+    return scene
+
+
+def save(folder, name):
+    path = folder / name
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    return str(path)
+
+
+def take(path, link, **wanted):
+    """Append or link datablocks by name; return the first."""
+    with bpy.data.libraries.load(path, link=link) as (_, into):
+        for kind, names in wanted.items():
+            setattr(into, kind, names)
+    return next(iter(getattr(into, kind)))
+
+
+def update(scene):
+    chosen = []
+    for material in spectral.in_scene(scene):
+        try:
+            materials.check_editable(material)
+        except InputError:
+            continue
+        chosen.append(material)
+    return spectral.update(scene.world, SETTINGS, chosen)
+
+
+def doubles():
+    """Names of our groups that there is more than one of."""
+    kinds = [tree[groups.KIND] for tree in bpy.data.node_groups if groups.KIND in tree]
+    return {kind for kind in kinds if kinds.count(kind) > 1}
+
+
+def surface(material):
+    return next(n for n in material.node_tree.nodes if n.get("spectral_skylight_node") == "surface")
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("library")
+    house(folder, 1, "Theirs")
+    return save(folder, "library.blend")
+
+
+@pytest.mark.parametrize("kind", ["material", "object"])
+def test_an_appended_material_follows_the_world_here(library, tmp_path, kind):
+    scene = house(tmp_path, 2)
+    world = scene.world
+    if kind == "object":
+        obj = take(library, False, objects=["Wall"])
+        scene.collection.objects.link(obj)
+        theirs = obj.active_material
+    else:
+        theirs = take(library, False, materials=["Theirs"])
+        wall = bpy.data.objects["Wall"].copy()
+        scene.collection.objects.link(wall)
+        wall.material_slots[0].link = "OBJECT"
+        wall.material_slots[0].material = theirs
+    managed = materials.managed(theirs)
+    assert managed.reflectance_name == "brick" and managed.world not in (None, world)
+    assert skylight_surface.KIND in doubles()
+    bump = theirs.node_tree.nodes["Bump"]
+    update(scene)
+    assert materials.managed(theirs).world == world
+    assert doubles() == set()
+    ours = bpy.data.materials["Brick"]
+    for role in ("surface", "gloss"):
+        one, other = (
+            next(n for n in m.node_tree.nodes if n.get("spectral_skylight_node") == role)
+            for m in (ours, theirs)
+        )
+        assert one.node_tree == other.node_tree
+        for a, b in zip(one.inputs, other.inputs, strict=True):
+            assert a.name == b.name and a.is_linked == b.is_linked
+            if hasattr(a, "default_value"):
+                np.testing.assert_array_equal(a.default_value, b.default_value)
+    assert surface(theirs).inputs["Normal"].links[0].from_node == bump
+    path = save(tmp_path, "both.blend")
+    bpy.ops.wm.open_mainfile(filepath=path)
+    assert len(bpy.data.worlds) == 1  # what only the old drivers held is gone
+    theirs = bpy.data.materials["Theirs"]
+    materials.remove(theirs)
+    links = theirs.node_tree.nodes["Material Output"].inputs["Surface"].links
+    assert links[0].from_node.type == "BSDF_PRINCIPLED"
+    assert not any(n.type == "GROUP" for n in theirs.node_tree.nodes)
+    assert materials.is_managed(bpy.data.materials["Brick"])
+
+
+def test_linked_and_overridden_materials_are_skipped(library, tmp_path):
+    """Also where the scene's World is the library's own, with all that it lights there."""
+    scene = house(tmp_path, 2)
+    obj = take(library, True, objects=["Wall"])
+    scene.collection.objects.link(obj)
+    theirs = obj.active_material
+    assert materials.is_managed(theirs) and theirs in spectral.in_scene(scene)
+    before = [list(s.default_value) for s in surface(theirs).inputs if s.type == "VECTOR"]
+    with pytest.raises(InputError, match='"Theirs": is linked from'):
+        spectral.update(scene.world, SETTINGS, [theirs])
+    update(scene)
+    scene.world = take(library, True, worlds=["Skylight"])
+    ours = bpy.data.materials["Brick"]
+    spectral.make_spectral(scene.world, {ours: BRICK}, SETTINGS)
+    assert materials.managed(ours).world == scene.world
+    assert surface(ours).node_tree.library is None
+    after = [list(s.default_value) for s in surface(theirs).inputs if s.type == "VECTOR"]
+    assert after == before
+    instance = bpy.data.objects.new("Instance", None)
+    instance.instance_type = "COLLECTION"
+    bpy.data.collections.new("Theirs").objects.link(obj)
+    instance.instance_collection = bpy.data.collections["Theirs"]
+    scene.collection.objects.link(instance)
+    update(scene)
+    assert sun_lamp.find(scene, sun_lamp.SUN) is not None
+    assert instance in list(receivers.find(scene).objects)  # the sun shines on it too
+    path = save(tmp_path, "linking.blend")
+    bpy.ops.wm.open_mainfile(filepath=path)
+    update(bpy.context.scene)
+
+
+def test_a_linked_object_with_a_material_of_this_file(library, tmp_path):
+    scene = house(tmp_path, 2)
+    obj = take(library, True, objects=["Wall"])
+    scene.collection.objects.link(obj)
+    override = obj.override_create(remap_local_usages=True)
+    override.material_slots[0].link = "OBJECT"
+    override.material_slots[0].material = own = bpy.data.materials.new("Own")
+    nodes.use(own)
+    spectral.make_spectral(scene.world, {own: BRICK}, SETTINGS)
+    assert override in list(receivers.find(scene).objects)
+    materials.remove(own)
+    assert not materials.is_managed(own)
+
+
+def test_made_local_it_is_this_files_own(library, tmp_path):
+    scene = house(tmp_path, 2)
+    obj = take(library, True, objects=["Wall"])
+    scene.collection.objects.link(obj)
+    obj.make_local()
+    mesh = obj.data.make_local()
+    local = mesh.materials[0].make_local()
+    mesh.materials[0] = local
+    assert local.library is None and materials.is_managed(local)
+    update(scene)
+    assert materials.managed(local).world == scene.world
+    assert all(n.node_tree.library is None for n in local.node_tree.nodes if n.type == "GROUP")
+    materials.remove(local)
+    assert not materials.is_managed(local)
+
+
+def test_copies_stand_alone(tmp_path):
+    scene = house(tmp_path, 2)
+    ours = bpy.data.materials["Brick"]
+    twin = ours.copy()
+    bpy.data.objects["Wall"].copy().data.materials.append(twin)
+    scene.collection.objects.link(bpy.data.objects["Wall.001"])  # linked data
+    update(scene)
+    group = surface(ours).node_tree
+    assert surface(twin).node_tree == group
+    materials.remove(ours)
+    assert materials.is_managed(twin) and skylight_surface.find(scene.world) == group
+    assert gloss.GLOSS in {t.get(groups.KIND) for t in bpy.data.node_groups}
+    spectral.make_spectral(scene.world, {ours: BRICK}, SETTINGS)
+    bpy.data.orphans_purge(do_recursive=True)
+    update(scene)
+    assert surface(ours).node_tree == surface(twin).node_tree == group
+    for material in (ours, twin):
+        materials.remove(material)
+    assert list(bpy.data.node_groups) == []
+    assert sun_lamp.find(scene, sun_lamp.SUN) is None
+
+
+def test_a_full_copy_of_a_scene_has_light_of_its_own(tmp_path):
+    scene = house(tmp_path, 2)
+    world, obj = scene.world, bpy.data.objects["Wall"]
+    bpy.ops.scene.new(type="FULL_COPY")
+    copy = bpy.context.scene
+    assert copy != scene and copy.world != world
+    there = next(o for o in copy.objects if o.type == "MESH")
+    if there.active_material == obj.active_material:  # as the preferences have it
+        there.data.materials[0] = obj.active_material.copy()
+    update(copy)
+    for one, wall in ((scene, obj), (copy, there)):
+        managed = materials.managed(wall.active_material)
+        assert managed.world == one.world
+        lamps = [o for o in one.objects if o.get(sun_lamp.KEY) == sun_lamp.SUN]
+        assert len(lamps) == 1
+        assert list(receivers.find(one).objects) == [wall]
+    copy.world.node_tree.nodes["Environment Texture"].image = bpy.data.images.load(
+        str(sky(tmp_path / "sky3.exr", 3))
+    )
+    before = np.array(materials.managed(obj.active_material).matrix)
+    update(copy)
+    np.testing.assert_array_equal(materials.managed(obj.active_material).matrix, before)
+    for wall in (there, obj):
+        materials.remove(wall.active_material)
+    assert list(bpy.data.node_groups) == []
