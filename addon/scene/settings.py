@@ -15,7 +15,7 @@ from ..spectra import sensitivities
 from ..transfer.choice import SIMPLEST, Choice, choose_with
 from ..transfer.matrices import Transfer, transfer
 from ..transfer.white import AUTO
-from . import working_space
+from . import sky_light, working_space
 
 SETTINGS = "spectral_skylight_settings"
 
@@ -95,6 +95,9 @@ class Settings:
 
 def stored(world: bpy.types.World | None) -> dict[str, Any]:
     """The settings that a World's materials were made with, or are to be; empty before any."""
+    if world is not None and world.library is not None and SETTINGS not in world:
+        # What is written on a linked World is not saved: our group of it, in this file, is.
+        return (sky_light.description_of(world) or {}).get("settings", {})
     return {} if world is None else json.loads(world.get(SETTINGS, "{}"))
 
 

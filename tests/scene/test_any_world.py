@@ -12,8 +12,15 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from spectral_skylight.addon.errors import InputError  # noqa: E402
-from spectral_skylight.addon.scene import nodes, sky_texture, world_bake, world_pixels  # noqa: E402
+from spectral_skylight.addon.scene import (  # noqa: E402
+    nodes,
+    sky_texture,
+    spectral,
+    world_bake,
+    world_pixels,
+)
 from spectral_skylight.addon.scene import world as worlds  # noqa: E402
+from spectral_skylight.addon.scene.settings import Settings, stored  # noqa: E402
 from spectral_skylight.addon.sky.irradiance import exact_irradiance  # noqa: E402
 from spectral_skylight.addon.sky.light import FACES  # noqa: E402
 from spectral_skylight.addon.sky.panorama import directions, write_panorama  # noqa: E402
@@ -328,3 +335,43 @@ def test_missing_images_are_named(scene, tmp_path):
     texture.image = None
     with pytest.raises(InputError, match='"Environment Texture" has no image; open'):
         baked(scene)
+
+
+@pytest.mark.slow
+def test_a_file_with_a_sky_texture_from_the_command_line(scene, tmp_path):
+    """What reflects all shows what falls on it: sky by the baked group, sun by its lamp."""
+    from spectral_skylight.addon import cli
+
+    tree, background, sky = world_of(scene, "TexSky")
+    tree.links.new(sky.outputs[0], background.inputs["Color"])
+    sky.sun_elevation, sky.sun_rotation = math.radians(38.0), math.radians(130.0)
+    background.inputs["Strength"].default_value = 0.5
+    obj = faces.add_faces(scene, NORMALS)
+    obj.data.materials[0] = bpy.data.materials.new("White")
+    nodes.use(obj.data.materials[0])
+    obj.visible_shadow = False
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "in.blend"))
+    (tmp_path / "white.csv").write_text(
+        "nm,white\n" + "".join(f"{n},1\n" for n in range(380, 785, 5))
+    )
+    out = str(tmp_path / "out.blend")
+    given = ["apply", str(tmp_path / "in.blend"), "--assign", f"White={tmp_path}/white.csv"]
+    assert cli.main([*given, "--ground", "hdri", "--out", out]) == 0
+    bpy.ops.wm.open_mainfile(filepath=out)
+    scene = bpy.context.scene
+    found = world_pixels.light_of(scene.world, OBSERVER)
+    sun = np.maximum(NORMALS @ found.sun.direction, 0.0)[:, None] * found.sun.irradiance
+    expected = light_on(found.sky) + sun
+    background = scene.world.node_tree.nodes["Background"]
+    for strength in (0.5, 2.0):
+        background.inputs["Strength"].default_value = strength
+        seen = faces.seen(scene, tmp_path, len(NORMALS), "cycles")
+        np.testing.assert_allclose(seen, strength * expected, rtol=0.04)
+    value = scene.world.node_tree.nodes.new("ShaderNodeValue")
+    value.outputs[0].default_value = 0.25
+    scene.world.node_tree.links.new(value.outputs[0], background.inputs["Strength"])
+    settings = Settings(**stored(scene.world))
+    spectral.update(scene.world, settings)  # all of it is in the bake now
+    background.inputs["Strength"].default_value = 7.0
+    seen = faces.seen(scene, tmp_path, len(NORMALS), "cycles")
+    np.testing.assert_allclose(seen, 0.25 * expected, rtol=0.04)

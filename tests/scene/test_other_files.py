@@ -8,7 +8,7 @@ bpy = pytest.importorskip("bpy")
 from spectral_skylight.addon.errors import InputError  # noqa: E402
 from spectral_skylight.addon.scene import materials, nodes, receivers, spectral, sun_lamp  # noqa: E402
 from spectral_skylight.addon.scene import world as worlds  # noqa: E402
-from spectral_skylight.addon.scene.settings import Settings  # noqa: E402
+from spectral_skylight.addon.scene.settings import Settings, stored  # noqa: E402
 from spectral_skylight.addon.sky.panorama import write_panorama  # noqa: E402
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS  # noqa: E402
 from spectral_skylight.node_groups import gloss, skylight_surface  # noqa: E402
@@ -160,7 +160,9 @@ def test_linked_and_overridden_materials_are_skipped(library, tmp_path):
     assert instance in list(receivers.find(scene).objects)  # the sun shines on it too
     path = save(tmp_path, "linking.blend")
     bpy.ops.wm.open_mainfile(filepath=path)
-    update(bpy.context.scene)
+    scene = bpy.context.scene
+    assert stored(scene.world)["basis"] == "rayleigh"  # though nothing is saved on a linked World
+    update(scene)
 
 
 def test_a_linked_object_with_a_material_of_this_file(library, tmp_path):
