@@ -30,8 +30,8 @@ def merge() -> None:
     several = {kind for kind in SHARED if kinds.count(kind) > 1}
     for tree in _own_trees() if several else ():
         for node in tree.nodes:
-            if groups.kind_of(node) in several:
-                groups.show(node, SHARED[groups.kind_of(node)]())
+            if (kind := groups.kind_of(node)) is not None and kind in several:
+                groups.show(node, SHARED[kind]())
     for surface in groups.of_kind(skylight_surface.KIND):
         world = skylight_surface.world_of(surface)
         if surface.users == 0 and (world is None or not lights.scenes_of(world)):
