@@ -14,6 +14,7 @@ import bpy
 
 from .ui import (
     apply,
+    assets,
     assign,
     bake,
     batch,
@@ -51,6 +52,7 @@ MODULES = (
     panels,
     library,
     assign,
+    assets,
     drop,
     material_panel,
     batch,

@@ -224,6 +224,7 @@ def _variants(table: Table, here: Path) -> tuple[Variant, ...]:
 
 def _assigned(path: Path, here: Path) -> dict[str, tuple[str, NDArray[np.float64]]]:
     """Read which material has which reflectance; FILE.csv:COLUMN is relative to its own folder."""
+    from ..spectra.formats import checkers
     from ..spectra.reflectance import read_assigned, split_assignment
 
     found: dict[str, tuple[str, NDArray[np.float64]]] = {}
@@ -249,9 +250,11 @@ def _assigned(path: Path, here: Path) -> dict[str, tuple[str, NDArray[np.float64
             raise InputError(place, "is half empty", "give material and reflectance")
         if material in found:
             raise InputError(place, f'names "{material}" again', "give each material once")
-        beside, _ = split_assignment(str(path.parent / reflectance))
-        folder = path.parent if Path(beside).is_file() else here
-        found[material] = read_assigned(str(folder / reflectance))
+        if not checkers.recognises(reflectance):  # which lies in no folder
+            beside, _ = split_assignment(str(path.parent / reflectance))
+            folder = path.parent if Path(beside).is_file() else here
+            reflectance = str(folder / reflectance)
+        found[material] = read_assigned(reflectance)
     if not found:
         raise InputError(path, "assigns nothing", "give material and reflectance in each line")
     return found

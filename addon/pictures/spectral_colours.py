@@ -9,12 +9,7 @@ from numpy.typing import NDArray
 
 from ..spectra.grid import WEIGHTS
 from ..spectra.sensitivities import observer
-
-
-def srgb(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return linear Rec.709 as sRGB, 0 to 1, cut off outside (IEC 61966-2-1)."""
-    rgb = np.clip(rgb, 0.0, 1.0)
-    return np.where(rgb <= 0.0031308, 12.92 * rgb, 1.055 * rgb ** (1.0 / 2.4) - 0.055)
+from ..spectra.working_spaces import srgb
 
 
 @cache

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..spectra.working_spaces import srgb
 from .canvas import Canvas
-from .spectral_colours import srgb
 from .theme import DARK, Theme
 
 MOST = 240

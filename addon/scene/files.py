@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
@@ -53,10 +55,19 @@ def save(path: str | Path) -> None:
     Relative paths in it are adapted to the new folder. Raises InputError for a folder that does
     not exist or cannot be written to.
     """
-    path = Path(path).resolve()
-    part = path.with_name(f".{path.stem}.{os.getpid()}.blend")
-    try:
+    with whole(Path(path).resolve()) as part:
         bpy.ops.wm.save_as_mainfile(filepath=str(part), copy=True, check_existing=False)
+
+
+@contextlib.contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """Yield a path to write to, which becomes ``path`` if all went well, and is gone if not.
+
+    Raises InputError where it cannot be written.
+    """
+    part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        yield part
         part.replace(path)
     except (RuntimeError, OSError) as error:
         reason = str(error).strip().splitlines()[-1]

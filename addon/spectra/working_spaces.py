@@ -74,3 +74,9 @@ def primaries_to_rec709(chromaticities: ArrayLike) -> NDArray[np.float64]:
     )
     to_XYZ = colour.normalised_primary_matrix(xy[:3], xy[3])
     return XYZ_to_working(DEFAULT_SPACE) @ adapt @ to_XYZ
+
+
+def srgb(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return linear Rec.709 as sRGB, 0 to 1, cut off outside (IEC 61966-2-1)."""
+    rgb = np.clip(rgb, 0.0, 1.0)
+    return np.where(rgb <= 0.0031308, 12.92 * rgb, 1.055 * rgb ** (1.0 / 2.4) - 0.055)

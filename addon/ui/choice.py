@@ -118,5 +118,5 @@ def keep(own, choice, name: str) -> None:
         if getattr(own, field) != getattr(choice, field):
             setattr(own, field, getattr(choice, field))
     if own.filepath != choice.filepath:
-        own.filepath = choice.filepath  # and with it the names of its columns
+        own.filepath = choice.filepath  # and with it what is wrong with it
     own.column = "" if choice.kind == "METAL" else name

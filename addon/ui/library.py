@@ -179,6 +179,7 @@ def _about(layout, context, number: int) -> None:
     row = layout.row(align=True)
     row.operator("skylight.assign_to_active")
     row.operator("skylight.assign_to_selected")
+    layout.operator("skylight.write_assets", icon="ASSET_MANAGER")
     if found.problems:
         text = f"{len(found.problems)} Cannot Be Used..."
         layout.operator("skylight.library_problems", text=text, icon="ERROR")

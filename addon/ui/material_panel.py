@@ -43,7 +43,7 @@ def _choose(layout, context, material) -> None:
 def _details(layout, choice) -> None:
     if choice.kind == "METAL":
         return
-    layout.prop_search(choice, "column", choice, "columns", icon="MATERIAL")
+    layout.prop(choice, "column", icon="MATERIAL")
     layout.prop(choice, "unit")
     if choice.kind == "GLASS":
         layout.prop(choice, "pane")

@@ -3,6 +3,9 @@
 # No postponed annotations here and in operators: Blender reads its properties from them.
 # mypy: disable-error-code="valid-type"
 
+from functools import lru_cache
+from pathlib import Path
+
 import bpy
 
 from ..errors import InputError
@@ -32,8 +35,7 @@ START = {"basis": "simplest", "tolerance": 0.5, "gloss": True}
 
 
 def _file_changed(self, context) -> None:
-    """Read the column names of a newly chosen file, once; panels draw what is kept."""
-    self.columns.clear()
+    """Look into a newly chosen file, once; panels draw what is kept."""
     self.problem = ""
     if not self.filepath:
         self.column = ""
@@ -43,8 +45,6 @@ def _file_changed(self, context) -> None:
     except InputError as error:
         self.problem = str(error)
         return
-    for name in names:
-        self.columns.add().name = name
     if self.column not in names:
         likely = names[0] if len(names) == 1 else self.id_data.name
         self.column = likely if likely in names else ""
@@ -73,8 +73,24 @@ def _colour(material) -> tuple[tuple[float, ...], float]:
     return tuple(managed.extra.get("colour", (0.0,) * 3)), managed.extra.get("white", 1.0)
 
 
-class SkylightColumn(bpy.types.PropertyGroup):
-    """One column of a reflectance file, by its name."""
+@lru_cache(maxsize=8)
+def _names(path: str, kind: str, stamp: tuple) -> tuple[str, ...]:
+    """The names of a file's columns; ``stamp``: what tells that it is another one now."""
+    from ..spectra import formats
+    from ..spectra.refraction import read_nk
+
+    if kind == "METAL":
+        read_nk(path)
+        return ()
+    return formats.read(path).names
+
+
+def _columns(self, context, typed) -> tuple[str, ...]:
+    """What can be chosen from, read when the field is opened: a library's file has thousands."""
+    try:
+        return self.read_names(self.filepath, self.kind) if self.filepath else ()
+    except InputError:
+        return ()
 
 
 class SkylightReflectance(choice.Fields, bpy.types.PropertyGroup):
@@ -89,7 +105,9 @@ class SkylightReflectance(choice.Fields, bpy.types.PropertyGroup):
     kind: bpy.props.EnumProperty(
         name="Measured", description="What the file holds", items=choice.KINDS, update=_file_changed
     )
-    columns: bpy.props.CollectionProperty(type=SkylightColumn)
+    column: bpy.props.StringProperty(
+        name="Column", description="Which of the file's materials this one is", search=_columns
+    )
     problem: bpy.props.StringProperty(description="Why the file cannot be read")
     swatch: bpy.props.FloatVectorProperty(
         name="Under This Sky",
@@ -104,13 +122,13 @@ class SkylightReflectance(choice.Fields, bpy.types.PropertyGroup):
 
     def read_names(self, filepath: str, kind: str) -> tuple[str, ...]:
         """The column names of a file, none of a metal's; InputError if it cannot be read."""
-        from ..spectra import formats
-        from ..spectra.refraction import read_nk
-
-        if kind == "METAL":
-            read_nk(self.absolute(filepath))
-            return ()
-        return formats.read(self.absolute(filepath)).names
+        path = self.absolute(filepath)
+        try:
+            stat = Path(path).stat()
+            stamp = (stat.st_mtime_ns, stat.st_size)
+        except (OSError, ValueError):
+            stamp = ()
+        return _names(path, kind, stamp)
 
     def absolute(self, filepath: str) -> str:
         """A path that may be relative to the blend file (``//``), resolved."""
@@ -265,7 +283,7 @@ def settings_of(world: bpy.types.World):
     return Settings(**stored)
 
 
-CLASSES = (SkylightColumn, SkylightReflectance, SkylightNumbers, SkylightLamp)
+CLASSES = (SkylightReflectance, SkylightNumbers, SkylightLamp)
 
 
 def attach() -> None:

@@ -53,12 +53,14 @@ def test_a_reflectance_is_found_beside_the_assignment_or_the_study(folder):
     inner.mkdir()
     (inner / "red.csv").write_text(
         "# ours\nmaterial;reflectance\nWall;own.csv:red\nDoor;paint.csv:grey"
+        "\nFloor;colour:BabelColor Average:dark skin"
     )
     (inner / "own.csv").write_text((folder / "paint.csv").read_text())
     study = read_study(write_study(folder, variants=[{"name": "x", "assign": "variants/red.csv"}]))
     assert {m: name for m, (name, _) in study.variants[0].reflectances.items()} == {
         "Wall": "red",
         "Door": "grey",
+        "Floor": "dark skin",
     }
 
 

@@ -160,6 +160,41 @@ def test_nothing_of_the_library_lies_in_a_file(shown, tmp_path):
     assert b"neutral 6.5" not in path.read_bytes()
 
 
+def test_an_asset_library_is_written_and_made_spectral(shown, tmp_path, brick):
+    folder = tmp_path / "assets"
+    folder.mkdir()
+    catalogues = folder / "blender_assets.cats.txt"
+    mine = "VERSION 1\n\n11111111-2222-3333-4444-555555555555:Chairs:Chairs\n"
+    catalogues.write_text(mine)
+    shown.search = "brick.csv"
+    before = len(bpy.data.materials)
+    for _ in range(2):  # twice is once
+        assert bpy.ops.skylight.write_assets(directory=str(folder)) == {"FINISHED"}
+    assert len(bpy.data.materials) == before
+    lines = catalogues.read_text().splitlines()
+    assert "Chairs:Chairs" in lines[2] and len(lines) == 4 and "Reflectances/" in lines[3]
+    assert sorted(file.name for file in folder.iterdir()) == [catalogues.name, "reflectances.blend"]
+    with bpy.data.libraries.load(str(folder / "reflectances.blend"), assets_only=True) as (
+        has,
+        get,
+    ):
+        assert sorted(has.materials) == ["brick", "moss"]
+        get.materials = ["moss"]
+    (moss,) = get.materials
+    assert moss.asset_data.catalog_id == lines[3].partition(":")[0]
+    assert moss.skylight.column == "moss" and moss.skylight.filepath == brick
+    assert tuple(moss.preview.image_size) == (32, 32)
+    left, right = (
+        np.array(moss.preview.image_pixels_float).reshape(32, 32, 4)[9, x] for x in (3, 28)
+    )
+    assert left[2] > right[2] and right[1] > right[0]  # bluer under the sky; moss is green
+    bpy.data.objects["Wall"].data.materials[0] = moss
+    bpy.ops.skylight.make_spectral()
+    assert given("moss") == "moss"
+    shown.search = "nothing like it"
+    assert "finds nothing" in error_of(bpy.ops.skylight.write_assets, directory=str(folder))
+
+
 def test_a_list_without_its_library_asks_for_it(enabled):
     shelf.put(None)
     assert "skylight.refresh_library" in drawn(library.SKYLIGHT_PT_library).operators

@@ -8,6 +8,7 @@ import pytest
 bpy = pytest.importorskip("bpy")
 
 from spectral_skylight.addon.scene import materials, settings, sky_light  # noqa: E402
+from spectral_skylight.addon.ui import properties  # noqa: E402
 from spectral_skylight.tests.ui.stage import (  # noqa: E402
     error_of,
     given,
@@ -49,10 +50,11 @@ def test_load_sky_with_wrong_settings(scene, tmp_path):
     assert "Brownie" in error_of(bpy.ops.skylight.load_sky, filepath=str(other))
 
 
-def test_choose_reflectance_fills_the_columns(scene, brick):
+def test_choose_reflectance_looks_for_the_columns(scene, brick, capfd):
     bpy.ops.skylight.choose_reflectance(filepath=brick)
     choice = material().skylight
-    assert [column.name for column in choice.columns] == ["brick", "moss"]
+    assert "Wall: 2 column(s), choose a column" in capfd.readouterr().out
+    assert properties._columns(choice, bpy.context, "") == ("brick", "moss")
     assert choice.column == ""  # two to choose from, none named as the material
     assert given() is None
     bpy.ops.skylight.choose_reflectance(filepath=brick, material="Roof", column="moss")
@@ -79,7 +81,7 @@ def test_a_path_that_was_typed_wrongly_says_so(scene, brick):
     choice.filepath = brick
     choice.filepath = "/nowhere.csv"
     assert "nowhere.csv" in choice.problem
-    assert len(choice.columns) == 0
+    assert properties._columns(choice, bpy.context, "") == ()
     choice.filepath = brick
     assert choice.problem == ""
 

@@ -1,0 +1,69 @@
+"""Writing the library, or what is found in it, as an asset library for Blender's asset browser."""
+
+# mypy: disable-error-code="valid-type"
+
+from pathlib import Path
+
+import bpy
+
+from ..errors import InputError
+from . import assign, operator, shelf
+
+
+class SKYLIGHT_OT_write_assets(operator.Long, bpy.types.Operator):
+    """Write the reflectances that the list shows as materials of an asset library into a folder. \
+Made spectral, they are what was measured. Esc ends it"""
+
+    bl_idname = "skylight.write_assets"
+    bl_label = "Write Asset Library..."
+    doing = "Writing"
+
+    directory: bpy.props.StringProperty(
+        name="Folder", description="Of the asset library, as the preferences have it"
+    )
+    filter_folder: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
+
+    @classmethod
+    def hindrance(cls, context):
+        return "" if shelf.chosen(context) is not None else "Show the library first"
+
+    def invoke(self, context, event):
+        """Ask for the folder; the work goes on from there."""
+        if not self.directory:
+            return operator.browse(self, context)
+        return operator.Long.invoke(self, context, event)
+
+    def work(self, context):
+        from ..scene import assets
+
+        if not self.directory:
+            raise InputError("the asset library", "has no folder", "choose one")
+        own = context.window_manager.skylight_library
+        found, places = shelf.shown(own.search, own.order)
+        wanted = [k for k in sorted(range(len(found)), key=places.__getitem__) if found[k]]
+        if not wanted:
+            raise InputError("the search", "finds nothing to write", "use fewer words")
+        chosen = shelf.library.only(wanted)
+        halves = [half[wanted] for half in (shelf.under_sky, shelf.daylight) if half is not None]
+
+        def measured(material, number):
+            material.skylight.kind = assign.kind(chosen.classes[number])
+            material.skylight.column = chosen.names[number]
+            material.skylight.filepath = chosen.paths[number]
+
+        return assets.write(
+            Path(bpy.path.abspath(self.directory)),
+            chosen.names,
+            chosen.classes,
+            chosen.sources,
+            (halves[0], halves[-1]),
+            measured,
+        )
+
+    def finish(self, context, done):
+        if done is None:
+            return [("WARNING", "ended before it was done: nothing was written")]
+        return [("INFO", f"{done}: add its folder to the asset libraries in the preferences")]
+
+
+CLASSES = (SKYLIGHT_OT_write_assets,)
