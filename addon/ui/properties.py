@@ -74,7 +74,7 @@ def _colour(material) -> tuple[tuple[float, ...], float]:
 
 
 @lru_cache(maxsize=8)
-def _names(path: str, kind: str, stamp: tuple) -> tuple[str, ...]:
+def _names(path: str, kind: str, stamp: tuple[int, int]) -> tuple[str, ...]:
     """The names of a file's columns; ``stamp``: what tells that it is another one now."""
     from ..spectra import formats
     from ..spectra.refraction import read_nk
@@ -127,7 +127,7 @@ class SkylightReflectance(choice.Fields, bpy.types.PropertyGroup):
             stat = Path(path).stat()
             stamp = (stat.st_mtime_ns, stat.st_size)
         except (OSError, ValueError):
-            stamp = ()
+            stamp = (0, 0)
         return _names(path, kind, stamp)
 
     def absolute(self, filepath: str) -> str:
