@@ -174,7 +174,7 @@ def _sky(table: Table, here: Path) -> Iterable[Sky]:
     """Give the skies of one table: a file's, or one for each of its times."""
     from ..sky.panorama import read_panorama
     from ..sky.simulation import LOWEST_SUN
-    from ..sky.sun_position import sun_position
+    from ..sky.sun_position import sun_positions
 
     if "file" in table.values:
         for key in ("date", "times", "latitude", "longitude", "timezone"):
@@ -192,12 +192,12 @@ def _sky(table: Table, here: Path) -> Iterable[Sky]:
     zone = table.items("timezone", (str, int, float), "give Europe/Berlin, or hours such as +2")[0]
     zone = zone if isinstance(zone, str) else f"{zone:+g}"
     north = float(table.number("north", -360.0, 360.0))
-    for given in times:
-        time = str(given)
-        try:
-            sun = sun_position(date, time, latitude, longitude, zone)
-        except InputError as error:
-            raise InputError(table.place, str(error).replace("--", ""), "change that") from None
+    times = [str(time) for time in times]
+    try:
+        suns = sun_positions(date, times, latitude, longitude, zone)
+    except InputError as error:
+        raise InputError(table.place, str(error).replace("--", ""), "change that") from None
+    for time, sun in zip(times, suns, strict=True):
         if sun[0] < LOWEST_SUN:
             raise InputError(
                 f"{table.place}, {date} {time}",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta, timezone, tzinfo
 from zoneinfo import ZoneInfo
 
@@ -13,14 +14,21 @@ from ..errors import InputError
 def sun_position(
     date: str, time: str, latitude: float, longitude: float, zone: str = "UTC"
 ) -> tuple[float, float]:
-    """Return the sun's elevation and azimuth [degrees], the azimuth clockwise from north.
+    """Return the sun's elevation and azimuth [degrees] at one time: see `sun_positions`."""
+    return sun_positions(date, [time], latitude, longitude, zone)[0]
+
+
+def sun_positions(
+    date: str, times: Sequence[str], latitude: float, longitude: float, zone: str = "UTC"
+) -> list[tuple[float, float]]:
+    """Return the sun's elevation and azimuth [degrees] at each time, clockwise from north.
 
     By pvlib's solar position algorithm (Reda and Andreas 2004, DOI 10.1016/j.solener.2003.12.003),
     within 0.001°. The elevation is the geometric one: our atmosphere does not refract either.
 
     Parameters
     ----------
-    date, time
+    date, times
         ``2025-06-21``, ``14:30`` or ``14:30:15``, local to ``zone``; the first of two where summer
         time ends.
     latitude, longitude
@@ -35,31 +43,37 @@ def sun_position(
         What is no date, time, place or zone, a time that clocks skip; and where pvlib is not
         installed.
     """
-    try:
-        moment = datetime.fromisoformat(f"{date}T{time}")
-    except ValueError:
-        cure = "give --date YYYY-MM-DD --time HH:MM"
-        raise InputError("--date", f"'{date} {time}' is no date and time", cure) from None
     if not -90.0 <= latitude <= 90.0:
         raise InputError("--latitude", f"{latitude:g}°", "give -90 to 90, north positive")
     if not -180.0 <= longitude <= 180.0:
         raise InputError("--longitude", f"{longitude:g}°", "give -180 to 180, east positive")
-    moment = moment.replace(tzinfo=_zone(zone))
-    if moment.astimezone(UTC).astimezone(moment.tzinfo).time() != moment.time():
-        cure = f"summer time begins in {zone}: give an hour later"
-        raise InputError("--time", f"there is no {time} on {date}", cure)
+    moments = [_moment(date, time, zone) for time in times]
     try:
         from pvlib import spa
     except ImportError:
         cure = "pip install 'spectral-skylight[science]', or give --sun-elevation"
         raise InputError("--date", "pvlib is not installed", cure) from None
     sea_level = {"elev": 0.0, "pressure": 1013.25, "temp": 15.0, "atmos_refract": 0.5667}
-    delta_t = spa.calculate_deltat(moment.year, moment.month)
-    seconds = np.array([moment.timestamp()])
+    delta_t = spa.calculate_deltat(moments[0].year, moments[0].month)
+    seconds = np.array([moment.timestamp() for moment in moments])
     *_, elevation, azimuth, _ = spa.solar_position(
         seconds, latitude, longitude, delta_t=delta_t, **sea_level
     )
-    return float(elevation[0]), float(azimuth[0])
+    return list(zip(elevation.tolist(), azimuth.tolist(), strict=True))
+
+
+def _moment(date: str, time: str, zone: str) -> datetime:
+    """Read a local date and time."""
+    try:
+        moment = datetime.fromisoformat(f"{date}T{time}")
+    except ValueError:
+        cure = "give --date YYYY-MM-DD --time HH:MM"
+        raise InputError("--date", f"'{date} {time}' is no date and time", cure) from None
+    moment = moment.replace(tzinfo=_zone(zone))
+    if moment.astimezone(UTC).astimezone(moment.tzinfo).time() != moment.time():
+        cure = f"summer time begins in {zone}: give an hour later"
+        raise InputError("--time", f"there is no {time} on {date}", cure)
+    return moment
 
 
 def _zone(name: str) -> tzinfo:
