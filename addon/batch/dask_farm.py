@@ -22,11 +22,18 @@ from .. import errors
 from ..errors import InputError
 from . import task as task_module
 from . import worker as worker_module
+from .dispatch import CHUNK
 from .task import Task, task_of
 from .worker import Worker, blender_command
 
 CONNECT = 10.0
 """How long the scheduler may take to answer [s]."""
+
+NEWS = 600.0
+"""How long a worker is at work before it is heard of again, as far as a picture allows [s].
+
+Long, for each chunk may open another prepared file; short enough for progress that one can watch.
+"""
 
 PATIENCE = 60.0
 """How long a run waits for the first worker with a Blender [s]."""
@@ -69,11 +76,15 @@ class Blenders(WorkerPlugin):
             blender = Worker(self.root, self.blender, self.threads)
             self.all.append(blender)
         answers = []
-        for line in lines:
+        try:
+            for line in lines:
+                if self.stopped:
+                    raise RuntimeError("the run has ended")
+                answers.append(blender.render(task_of(line), self.timeout))
+        finally:
             if self.stopped:
-                raise RuntimeError("the run has ended")
-            answers.append(blender.render(task_of(line), self.timeout))
-        self.idle.put(blender)
+                blender.kill()  # which may have started since
+            self.idle.put(blender)
         return answers
 
 
@@ -86,6 +97,7 @@ class DaskPool:
         self._away: dict[Future, Sequence[Task]] = {}
         self._done: queue.SimpleQueue[Future] = queue.SimpleQueue()
         self._able: dict[str, int] = {}
+        self._rendered, self._seconds = 0, 0.0
         self._asked = -PATIENCE
 
         # No function of the module: Dask would send that by its name.
@@ -98,7 +110,8 @@ class DaskPool:
     def workers(self, age: float = 5.0) -> int:
         """Return how many Blenders can render, as of the last ``age`` seconds."""
         if time.monotonic() - self._asked >= age:
-            workers = self._client.scheduler_info(n_workers=-1)["workers"]
+            with _scheduler_there():
+                workers = self._client.scheduler_info(n_workers=-1)["workers"]
             offers = {at: round(w["resources"].get(self._name, 0)) for at, w in workers.items()}
             before, now = self._able, {at: count for at, count in offers.items() if count}
             self._asked, self._able = time.monotonic(), now or before
@@ -108,6 +121,12 @@ class DaskPool:
                 return 0
         return sum(self._able.values())
 
+    def together(self) -> int:
+        """Return how many pictures a worker is given at once: what it renders in `NEWS`."""
+        if not self._rendered:
+            return 1
+        return max(1, min(CHUNK, int(NEWS * self._rendered / max(self._seconds, 1e-3))))
+
     def room(self) -> int:
         """One chunk for each Blender, and one in its hand."""
         return max(1, 2 * self.workers()) - len(self._away)
@@ -116,12 +135,16 @@ class DaskPool:
         """Send a chunk to the scheduler."""
         lines = [task.line() for task in chunk]
         wanted = {self._name: 1}
-        future = self._client.submit(self._render, lines, pure=False, resources=wanted)
+        with _scheduler_there():
+            future = self._client.submit(self._render, lines, pure=False, resources=wanted)
         self._away[future] = chunk
         future.add_done_callback(self._done.put)
 
     def finished(self) -> tuple[Sequence[Task], Sequence[dict[str, Any]]]:
-        """Wait for a chunk; all of its pictures failed where Dask gave it up."""
+        """Wait for a chunk; all of its pictures failed where Dask gave it up.
+
+        Raises ConnectionError where the scheduler has gone, and what `note` raises.
+        """
         future: Any = None
         while future not in self._away:
             self.workers()
@@ -131,10 +154,16 @@ class DaskPool:
         try:
             answers = future.result()
         except Exception as error:  # KilledWorker, CancelledError, what a worker raised
+            self.workers(age=0)
             reason = " ".join(str(error).split()) or type(error).__name__
             failure = {"status": "failed", "error": reason}
             answers = [{"index": task.index, **failure} for task in chunk]
         for task, answer in zip(chunk, answers, strict=True):
+            if answer["status"] == "rendered":
+                self._rendered, self._seconds = (
+                    self._rendered + 1,
+                    self._seconds + answer["seconds"],
+                )
             self.note(task, answer)
         return chunk, answers
 
@@ -152,6 +181,15 @@ class DaskPool:
         """Take back all that is not done."""
         self._client.cancel(list(self._away))
         self._away.clear()
+
+
+@contextlib.contextmanager
+def _scheduler_there() -> Iterator[None]:
+    try:
+        yield
+    except (OSError, RuntimeError, KeyError):
+        said = "Dask's scheduler has gone: what was rendered stays; start it, then run again"
+        raise ConnectionError(said) from None
 
 
 @contextlib.contextmanager
@@ -200,5 +238,6 @@ def dask_pool(
                 time.sleep(0.2)
             yield pool
         finally:
-            pool.cancel()
-            client.unregister_worker_plugin(plugin.name)
+            with contextlib.suppress(OSError, RuntimeError):  # the scheduler may have gone
+                pool.cancel()
+                client.unregister_worker_plugin(plugin.name)

@@ -8,7 +8,7 @@ gives them back with an answer for each.
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, Protocol, TypeVar
 
 CHUNK = 12
@@ -25,6 +25,9 @@ class Picture(Protocol):
 
 
 P = TypeVar("P", bound=Picture)
+Number = int | Callable[[], int]
+"""One that stands, or one that is asked for again and again."""
+
 Answer = dict[str, Any]
 """What `render_task.perform` says of a picture; ``status`` is ``failed`` where it is not there."""
 
@@ -43,7 +46,7 @@ class Pool(Protocol[P]):
 
 
 def chunks(
-    pictures: Iterable[P], size: int = CHUNK, total: int | None = None, workers: int = 1
+    pictures: Iterable[P], size: Number = CHUNK, total: int | None = None, workers: Number = 1
 ) -> Iterator[list[P]]:
     """Cut a plan into chunks of consecutive pictures of one prepared file, at most `size` each.
 
@@ -51,16 +54,22 @@ def chunks(
     left for each of the `workers`, so that all of them end together (guided self-scheduling, DOI
     10.1109/TC.1987.5009495).
     """
-    done, chunk = 0, list[P]()
+    done, most, chunk = 0, 1, list[P]()
     for picture in pictures:
-        if chunk and (picture.blend != chunk[0].blend or len(chunk) >= size):
+        if chunk and (picture.blend != chunk[0].blend or len(chunk) >= most):
             yield chunk
             done, chunk = done + len(chunk), []
-        if not chunk and total is not None and workers > 1:
-            size = max(1, min(size, -(-(total - done) // (2 * workers))))
+        if not chunk:
+            most, count = _now(size), _now(workers)
+            if total is not None and count > 1:
+                most = max(1, min(most, -(-(total - done) // (2 * count))))
         chunk.append(picture)
     if chunk:
         yield chunk
+
+
+def _now(number: Number) -> int:
+    return number() if callable(number) else number
 
 
 def dispatch(

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from .dispatch import CHUNK, Pool, chunks, dispatch
+from .dispatch import CHUNK, Number, Pool, chunks, dispatch
 from .plan import read_header, read_tasks
 from .task import Task
 
@@ -51,8 +51,8 @@ def run(
     plan: Path,
     pool: Pool[Task],
     tell: Tell,
-    size: int = CHUNK,
-    workers: int = 1,
+    size: Number = CHUNK,
+    workers: Number = 1,
 ) -> Outcome:
     """Render what of a plan is not there yet, by the workers of a pool.
 

@@ -113,17 +113,17 @@ def _run(options: argparse.Namespace) -> None:
 
 
 @contextlib.contextmanager
-def _pool(options: argparse.Namespace, plan: Path) -> Iterator[tuple[Any, int, int]]:
+def _pool(options: argparse.Namespace, plan: Path) -> Iterator[tuple[Any, Any, Any]]:
     """Yield those who render, how many pictures one takes at once, and how many they are."""
     if options.scheduler is not None:
         try:
-            from ..batch import dask_farm, dispatch
+            from ..batch import dask_farm
         except ImportError as error:
             cure = 'pip install "spectral-skylight[farm]"'
             raise InputError("--scheduler", f"needs Dask ({error})", cure) from None
         asked = (options.scheduler, plan.parent, options.blender, options.timeout)
         with dask_farm.dask_pool(*asked) as farm:
-            yield farm, dispatch.CHUNK, farm.workers()
+            yield farm, farm.together, farm.workers
         return
     from ..batch import local_pool
     from ..batch.plan import read_header, read_tasks

@@ -58,7 +58,7 @@ def test_pictures_a_minute(benchmark, tmp_path, capsys):
         with dask_farm.dask_pool(cluster.address, plan.parent, str(blender)) as pool:
             tracemalloc.start()
             start = time.perf_counter()
-            outcome = run.run(plan, pool, lambda *_: None, 12, pool.workers())
+            outcome = run.run(plan, pool, lambda *_: None, pool.together, pool.workers)
             seconds, held = time.perf_counter() - start, tracemalloc.get_traced_memory()[1]
             tracemalloc.stop()
         assert outcome.rendered == pictures

@@ -88,6 +88,18 @@ def test_chunks_keep_a_files_pictures_together():
     assert all(len({picture.blend for picture in chunk}) == 1 for chunk in cut)
 
 
+def test_chunks_follow_what_is_learnt_meanwhile():
+    """How long a picture takes, and how many have come to render."""
+    plan = [Picture(number, "one file") for number in range(30)]
+    sizes = iter((1, 1, 4, 12, 12))
+    assert [len(chunk) for chunk in chunks(plan, lambda: next(sizes))] == [1, 1, 4, 12, 12]
+    workers, cut = [1], []
+    for chunk in chunks(plan, 12, len(plan), lambda: workers[0]):
+        cut.append(len(chunk))
+        workers[0] = 3
+    assert cut == [12, 3, 3, 2, 2, 2, 1, 1, 1, 1, 1, 1]
+
+
 def test_a_plan_without_end_is_read_as_far_as_there_is_room():
     """What the policy holds does not grow with the plan."""
 
