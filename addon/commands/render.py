@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from typing import Any
 
 
@@ -18,8 +19,11 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Render, and print the paths of the pictures."""
-    from ..scene import files, render
+    from ..scene import before, files, render
 
     scene = files.open_scene(options.scene)
+    if found := before.shown_now():
+        names = ", ".join(material.name for material in found[:5]) + (" …" if found[5:] else "")
+        print(f"WARNING: RGB × RGB shows on {names}: press Back to Spectral", file=sys.stderr)
     for path in render.render(scene, options.out, options.camera, options.engine):
         print(path)

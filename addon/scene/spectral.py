@@ -165,7 +165,9 @@ def making_spectral(
     }
     try:
         for k, (material, (name, rho)) in enumerate(reflectances.items()):
-            metal = (metals or {}).get(material) or optics.metal_of(material)
+            metal = (metals or {}).get(material) or _metal(material, rho)
+            if metal is None and optics.metal_of(material) is not None:
+                materials.remove(material)  # with the metal's colours
             expected, bound = choice.error(k)
             result = Result(
                 material=material.name,
@@ -254,6 +256,14 @@ def _relight(
 def _restored(light: SkyLight, transfer: Transfer) -> list[float]:
     """Return the spectrum (81,) of the sky's light on level ground, as pictures show it."""
     return (transfer.restoration @ transfer.unbalanced(light.faces[0])).tolist()
+
+
+def _metal(material: bpy.types.Material, rho: NDArray[np.float64]) -> Any:
+    """Return n and k of the metal whose reflectance a material has already, None for another."""
+    managed = materials.managed(material)
+    if managed is None or managed.reflectance_hash != reflectance_hash(rho):
+        return None
+    return optics.metal_of(material)
 
 
 def _measured(material: bpy.types.Material, rho: NDArray[np.float64]) -> tuple[float, float] | None:

@@ -159,7 +159,7 @@ COMPILES = """
 import os, sys
 import bpy, numpy as np
 from pathlib import Path
-from spectral_skylight.addon.scene import materials, sky_light
+from spectral_skylight.addon.scene import before, materials, sky_light
 from spectral_skylight.tests import faces
 
 folder = Path(sys.argv[1])
@@ -181,6 +181,10 @@ def frame(name):
 frame("first")
 materials.update(material, np.eye(3) * 0.3 - 0.1)
 frame("matrix")
+before.keep(material, {("surface", name): (0.3, 0.2, 0.1) for name in ("Row R", "Row G", "Sun")})
+assert before.show(True) == 1
+frame("before")
+assert before.show(False) == 1
 sky_light.set_coefficients(world, np.full((49, 3), 0.1))
 frame("degree")
 faces.light(scene, folder, 2)
@@ -223,6 +227,7 @@ def test_values_compile_no_shader(tmp_path):
     assert counts.pop("first") > 0 and counts.pop("another topology") > 0
     assert counts == {
         "matrix": 0,
+        "before": 0,
         "degree": 0,
         "strength and rotation": 0,
         "another material": 0,
