@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..transfer.prediction import rgb_albedo
 from ..transfer.swatches import beside
-from . import sky_light, spectral, working_space
+from . import spectral, working_space
 from . import world as worlds
 
 
@@ -30,7 +30,7 @@ def daylight(reflectances: NDArray[np.float64]) -> NDArray[np.float64]:
     return rgb_albedo(reflectances, working_space.name())
 
 
-def sky_key(world: bpy.types.World | None) -> str:
+def sky_key(world: bpy.types.World | None, settings: spectral.Settings | None) -> str:
     """Return what tells whether a World's sky, or the working space, is another one than before."""
     if world is None:
         return ""
@@ -38,5 +38,4 @@ def sky_key(world: bpy.types.World | None) -> str:
         name = worlds.sky_of(world).name
     except InputError:
         return ""
-    surface = sky_light.description_of(world) or {}
-    return f"{world.name_full} {name} {working_space.name()} {surface.get('settings', '')}"
+    return f"{world.name_full} {name} {working_space.name()} {settings}"

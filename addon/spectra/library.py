@@ -178,7 +178,7 @@ class _Folder:
         known = _unpacked(cache.load(place))
         kept: dict[str, dict[str, Any]] = {}
         parts: list[Library] = []
-        files = _files(self.folder)
+        files = yield from _files(self.folder)
         changed = len(files) != len(known)
         try:
             for number, path in enumerate(files):
@@ -198,10 +198,12 @@ class _Folder:
         self.library = _joined(parts)
 
 
-def _files(folder: Path) -> list[Path]:
+def _files(folder: Path) -> Generator[Progress, None, list[Path]]:
     """Return all files under a folder that reflectances may be in, hidden ones left out."""
     found = []
-    for at, folders, names in os.walk(folder):
+    for number, (at, folders, names) in enumerate(os.walk(folder)):
+        if number % 100 == 99:  # someone chose their whole disk
+            yield Progress(0.0, f"{at}: {len(found)} files so far")
         folders[:] = sorted(name for name in folders if not name.startswith("."))
         found += [
             Path(at, name)

@@ -89,14 +89,16 @@ stays. Esc ends it"""
 
         if done is None:
             return [("WARNING", "ended before it was done: what was read is not read again")]
+        own = context.window_manager.skylight_library
+        before = shelf.place(shelf.chosen(context))
         shelf.put(done)
         shelf.light(context)
-        own = context.window_manager.skylight_library
         own.spectra.clear()
         for number, name in enumerate(done.names):
             row = own.spectra.add()
             row.name, row.number = name, number
-        own.active = min(own.active, max(len(done) - 1, 0))
+        places = zip(done.paths, done.names, strict=True)
+        own.active = next((k for k, place in enumerate(places) if place == before), 0)
         unused = f", {len(done.problems)} cannot be used" if done.problems else ""
         return [*assignments.refresh(done), ("INFO", f"{len(done)} reflectances{unused}")]
 
@@ -156,8 +158,6 @@ class SKYLIGHT_PT_library(bpy.types.Panel):
 
 
 def _list(layout, context, own) -> None:
-    from ..scene import under_sky
-
     row = layout.row(align=True)
     row.prop(own, "search", text="", icon="VIEWZOOM")
     row.prop(own, "order", text="")
@@ -165,7 +165,7 @@ def _list(layout, context, own) -> None:
     lit = shelf.under_sky is not None
     layout.label(text="This sky · D65" if lit else "D65: the World has no sky")
     layout.template_list("SKYLIGHT_UL_library", "", own, "spectra", own, "active", rows=ROWS)
-    if under_sky.sky_key(context.scene.world) != shelf.lit_by:
+    if shelf.sky_key(context) != shelf.lit_by:
         readout.paragraph(layout, context, "The sky has changed: refresh the swatches", "INFO")
 
 

@@ -39,15 +39,23 @@ def light(context: bpy.types.Context) -> None:
     from . import properties
 
     daylight = scene_sky.daylight(library.values)
-    under_sky, lit_by = None, ""
+    under_sky, lit_by = None, sky_key(context)
     world = context.scene.world
     try:
-        settings = properties.settings_of(world) if world is not None else None
-        if settings is not None:
+        if world is not None:
+            settings = properties.settings_of(world)
             under_sky, daylight = scene_sky.colours(world, settings, library.values)
-            lit_by = scene_sky.sky_key(world)
     except InputError:  # the panel says what is wrong with the sky; D65 is shown all the same
         pass
+
+
+def sky_key(context: bpy.types.Context) -> str:
+    """What tells whether the scene has another sky than the one that swatches are lit by."""
+    from ..scene import under_sky as scene_sky
+    from . import properties
+
+    world = context.scene.world
+    return scene_sky.sky_key(world, properties.settings_of(world) if world is not None else None)
 
 
 def colour(of: Any, number: int) -> tuple[float, float, float]:
@@ -71,6 +79,11 @@ def _shown(which: int, search: str, by: str) -> tuple[list[bool], list[int]]:
     for place, number in enumerate(library.order(by.lower()).tolist()):
         places[number] = place
     return [k in wanted for k in range(count)], places
+
+
+def place(number: int | None) -> tuple[str, str] | None:
+    """The file and the column of a reflectance, by which it is found again in another library."""
+    return None if number is None else (library.paths[number], library.names[number])
 
 
 def chosen(context: bpy.types.Context) -> int | None:

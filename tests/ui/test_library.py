@@ -106,11 +106,15 @@ def test_swatches_under_this_sky_and_under_d65(shown, scene):
     assert sky @ [0.21, 0.72, 0.07] == pytest.approx(d65 @ [0.21, 0.72, 0.07], rel=0.02)
     brick = shown.spectra[-2]
     assert brick.name == "brick" and brick.daylight[0] > 2 * brick.daylight[2]
+    choose("moss")
     lit = shelf.lit_by
+    bpy.ops.skylight.assign_to_active()
+    assert "refresh" not in drawn(library.SKYLIGHT_PT_library).text  # it is the same sky
     scene.world = None
     assert "refresh" in drawn(library.SKYLIGHT_PT_library).text
     bpy.ops.skylight.refresh_library()
     assert shelf.under_sky is None and shelf.lit_by != lit
+    assert shown.spectra[shown.active].name == "moss"
     assert (
         tuple(white.sky) == (0, 0, 0)
         and "the World has no sky" in drawn(library.SKYLIGHT_PT_library).text
