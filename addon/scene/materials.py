@@ -51,26 +51,27 @@ def apply(
     reflected: Mapping[str, Sequence[float]] | None = None,
     gloss: bool = False,
     textured: bool = False,
+    group: bpy.types.NodeTree | None = None,
 ) -> None:
     """Light a material by the sky of a World through its matrix (3, 3); twice is once.
 
     Its Normal and Alpha stay what the replaced shader had. `extra` is kept with the material
     (anything that JSON can hold). ``reflected``: what it reflects of `skylight_surface.LIGHTS`, RGB
     each. ``gloss``: its gloss and metal stay too; ``textured``: the texture of its base colour
-    makes its reflectance, by what `set_texture` is told. Raises InputError for a linked or
-    overridden material and where `world.sky_of` does; the material is untouched then.
+    makes its reflectance, by what `set_texture` is told. ``group``: the World's, just ensured, for
+    many materials. Raises InputError for a linked or overridden material and where `world.sky_of`
+    does; the material is untouched then.
     """
     check_editable(material)
-    group = sky_light.ensure(world)
+    group = group or sky_light.ensure(world)
     node = _surface_node(material)
     kept = material.get(nodes.MANAGED, {})
     shown = look.tops(material.node_tree, node).values() if node is not None else ()
     unplugged = node is not None and not any(socket.is_linked for socket in shown)
     other = (kept.get("gloss", False), kept.get("textured", False)) != (gloss, textured)
     if node is None or unplugged or other:
-        remove(material)
-        node = _take_over(material, sky_light.ensure(world), gloss, textured)
-        group = node.node_tree
+        remove(material, stays=group)
+        node = _take_over(material, group, gloss, textured)
     groups.show(node, group)
     _set(node, matrix, reflected)
     _tell_engines_apart(material.node_tree, node)
@@ -140,11 +141,11 @@ def set_texture(
         spectral_texture.set_values(node, values, to_rec709)
 
 
-def remove(material: bpy.types.Material) -> None:
+def remove(material: bpy.types.Material, stays: bpy.types.NodeTree | None = None) -> None:
     """Give a material back as it was before `apply`; one that is not managed stays as it is.
 
     An output that a user has plugged elsewhere since keeps that. The World's groups leave with the
-    last material. Raises InputError for a linked or overridden material.
+    last material, all but one that ``stays``. Raises InputError for a linked or overridden one.
     """
     if nodes.MANAGED not in material:
         return
@@ -169,12 +170,13 @@ def remove(material: bpy.types.Material) -> None:
     if material[nodes.MANAGED].get("without_nodes"):
         material.use_nodes = False  # Blender 4.5; its tree is then the one that Blender makes
     del material[nodes.MANAGED]
-    if group is not None and group.users == 0:
+    if group not in (None, stays) and group.users == 0:
         world = skylight_surface.world_of(group)
         if world is not None:
             lights.remove(world)
         sky_light.remove(group)
-    groups.prune(skylight_surface.KIND)
+    if stays is None:
+        groups.prune(skylight_surface.KIND)
 
 
 def is_managed(material: bpy.types.Material | None) -> bool:

@@ -156,6 +156,7 @@ def making_spectral(
     prediction = choice.prediction
     assert prediction is not None
     results = []
+    group = sky_light.ensure(world)
     white = found.white_luminance
     reflected = found.reflected(values)
     textured = {
@@ -167,7 +168,7 @@ def making_spectral(
         for k, (material, (name, rho)) in enumerate(reflectances.items()):
             metal = (metals or {}).get(material) or _metal(material, rho)
             if metal is None and optics.metal_of(material) is not None:
-                materials.remove(material)  # with the metal's colours
+                materials.remove(material, stays=group)  # with the metal's colours
             expected, bound = choice.error(k)
             result = Result(
                 material=material.name,
@@ -202,6 +203,7 @@ def making_spectral(
                 },
                 gloss=settings.gloss or metal is not None,
                 textured=material in textured,
+                group=group,
             )
             if metal is not None:
                 optics.keep_metal(material, *metal)

@@ -94,3 +94,17 @@ def test_ended_halfway_what_is_done_is_whole(scene, lamp):
     next(work)
     work.close()  # before the first: nothing has changed
     assert len(bpy.data.node_groups) == groups and given("Roof") is None
+
+
+def test_the_only_material_keeps_its_light_as_gloss_comes_and_goes(scene, brick):
+    """Its shader is built anew then; what lights it must not leave with the old one."""
+    from spectral_skylight.addon.scene import sky_light
+
+    bpy.ops.skylight.apply(filepath=brick, column="brick")
+    lamps = sorted(obj.name for obj in scene.objects)
+    before = sky_light.coefficients_of(scene.world)
+    for gloss in (False, True):
+        scene.world.skylight.gloss = gloss
+        bpy.ops.skylight.update()
+        assert (sky_light.coefficients_of(scene.world) == before).all() and before.any()
+        assert sorted(obj.name for obj in scene.objects) == lamps
