@@ -29,15 +29,13 @@ def page(found: dict[str, Any]) -> str:
 def _summary(found: dict[str, Any]) -> str:
     counts = found["counts"]
     rendered = [p["seconds"] for p in found["pictures"] if p["seconds"] is not None]
-    tiles = [
-        (f"{counts.get('done', 0)}", f"of {found['tasks']} pictures"),
-        (f"{counts.get('failed', 0)}", "failed"),
-        (f"{counts.get('missing', 0)}", "not rendered yet"),
-        (duration(found["seconds"]), "of rendering"),
-    ]
+    tiles = [(f"{counts.get('done', 0)}", f"of {found['tasks']} pictures")]
+    for status, words in (("failed", "failed"), ("missing", "not rendered yet")):
+        tiles += [(f"{counts[status]}", words)] if counts.get(status) else []
     if rendered:
+        tiles.append((duration(found["seconds"]), "of rendering"))
         tiles.append((f"{sorted(rendered)[len(rendered) // 2]:.1f} s", "the median picture"))
-    tiles.append((escape(", ".join(found["blender"])) or "–", "Blender"))
+    tiles += [(escape(", ".join(found["blender"])), "Blender")] if found["blender"] else []
     parts = "".join(f"<div><b>{value}</b>{name}</div>" for value, name in tiles)
     several = (
         "<p class=bad>Several builds of Blender rendered: alike, but not the same bytes.</p>"
@@ -82,8 +80,9 @@ def _colours(found: dict[str, Any]) -> str:
     if not parts:
         return ""
     return (
-        "<h2>Colours and errors</h2><p>Each material on level ground under each sky; the CIEDE2000 "
-        "expected of its colour, and in brackets what RGB × RGB would leave.</p>" + "".join(parts)
+        "<h2>Colours and errors</h2><p>Each material on level ground in each sky's own light, the "
+        "sun's left out; the CIEDE2000 expected of its colour, in brackets what RGB × RGB would "
+        "leave.</p>" + "".join(parts)
     )
 
 
@@ -123,7 +122,8 @@ def _sheet(found: dict[str, Any]) -> str:
         "status": dict.fromkeys(p["status"] for p in pictures),
     }
     filters = "".join(_filter(name, values) for name, values in choices.items() if len(values) > 1)
-    figures = "".join(_figure(p, described[p["prepared"]]) for p in pictures)
+    animated = len({p["frame"] for p in pictures}) > 1
+    figures = "".join(_figure(p, described[p["prepared"]], animated) for p in pictures)
     more = len(found["pictures"]) - len(pictures)
     rest = f"<p>{more} more are in report.json.</p>" if more else ""
     return f"<h2>Pictures</h2><nav>{filters}</nav><main>{figures}</main>{rest}"
@@ -134,7 +134,7 @@ def _filter(name: str, values: dict[str, None]) -> str:
     return f'<label>{name} <select data-key={name}><option value="">all{options}</select></label>'
 
 
-def _figure(picture: dict[str, Any], prepared: dict[str, Any]) -> str:
+def _figure(picture: dict[str, Any], prepared: dict[str, Any], animated: bool) -> str:
     data = {**{key: prepared[key] for key in ("scene", "variant", "sky")}, **picture}
     keys = ("scene", "variant", "sky", "camera", "status")
     tags = " ".join(f'data-{key}="{escape(str(data[key]), quote=True)}"' for key in keys)
@@ -145,11 +145,13 @@ def _figure(picture: dict[str, Any], prepared: dict[str, Any]) -> str:
         else f"<div class=none>{picture['status']}</div>"
     )
     took = "" if picture["seconds"] is None else f" · {picture['seconds']:.1f} s"
-    frame = f" · frame {picture['frame']}"
-    where = " · ".join(escape(data[key]) for key in ("scene", "variant", "sky") if data[key])
+    frame = f" · frame {picture['frame']}" if animated else ""
+    where = "<br>".join(escape(data[key]) for key in ("variant", "sky", "scene") if data[key])
+    exr = f'<a class=exr href="{quote(picture["exr"])}">EXR</a>'
+    linear = exr if picture["status"] == "done" else ""
     return (
-        f"<figure {tags}>{shown}<figcaption><b>{escape(picture['camera'])}</b>{frame}{took}"
-        f'<small>{where} · <a href="{quote(picture["exr"])}">EXR</a></small></figcaption></figure>'
+        f"<figure {tags}>{shown}<figcaption>{linear}<b>{escape(picture['camera'])}</b>{frame}"
+        f"<small>{where}{took}</small></figcaption></figure>"
     )
 
 
@@ -175,6 +177,7 @@ background:#777}
 .none{aspect-ratio:3/2;display:grid;place-items:center;color:var(--s)}
 figure[data-status=failed] .none{color:#d33}
 figcaption{padding:.45rem .7rem .55rem}figcaption small{display:block}a{color:inherit}
+figcaption .exr{float:right;font-size:.8em}
 """
 
 _SCRIPT = """
