@@ -118,6 +118,8 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
     if wanted.sky.sun is not None:
         settings = replace(settings, sun_elevation=wanted.sky.sun[0])
     kept = {each: materials.kept(each) for each in spectral.in_scene(scene)}
+    if wanted.sky.north is not None:
+        scene.world = None  # or one that shows this sky, turned as the scene wants it, would stay
     world = worlds.set_sky(scene, sky)
     if wanted.sky.north is not None:
         _turn(world, wanted.sky.north)

@@ -194,7 +194,7 @@ def _report(options: argparse.Namespace) -> None:
 
 @contextlib.contextmanager
 def _ended_gently() -> Iterator[None]:
-    """Let a request to end (SIGTERM) do what Ctrl-C does."""
+    """Let a request to end (SIGTERM) do what Ctrl-C does, in Blender too, which takes that away."""
 
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
@@ -202,8 +202,9 @@ def _ended_gently() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGTERM, stop)
+    before = {each: signal.signal(each, stop) for each in (signal.SIGTERM, signal.SIGINT)}
     try:
         yield
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for each, handler in before.items():
+            signal.signal(each, handler)
