@@ -36,14 +36,17 @@ MODULES_OF = {
     "transfer": {"numpy", "colour", "matplotlib", "scipy", "tqdm"},
     "pictures": {"numpy", "scipy"},
     "node_groups": {"bpy"},
-    "scene": {"bpy", "bpy_extras", "embreex", "mathutils", "numpy"},
+    "scene": {"bpy", "bpy_extras", "embreex", "mathutils", "numpy", "picture_file"},
     "ui": {"bpy"},
     "registration": {"bpy"},
     "cli": set(),
     "commands": {"numpy", "tqdm"},
     "batch": {"bpy", "cloudpickle", "distributed", "numpy", "tqdm"},
 }
-"""Room and the modules from outside, Python's own apart, that it may import."""
+"""Room and the modules from outside, Python's own apart, that it may import.
+
+A batch's script finds the copy of our own `picture_file` beside its own.
+"""
 
 WHEELS = {"colour", "scipy", "OpenEXR", "embreex"}
 """What only the add-on's zip brings; imported when first needed, never when a file is imported."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
@@ -16,11 +15,11 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..scene.render_task import part_of
+from ..scene.picture_file import part_of
 from .file_names import file_names
 from .scenes import SceneFile, look_into, program_hash
 from .study import Sky, Study, Variant, content_hash
-from .task import SCRIPT, Task, task_of
+from .task import Task, copy_scripts, task_of
 
 FORMAT = "spectral-skylight plan"
 VERSION = 1
@@ -113,7 +112,7 @@ def write_plan(study: Study, scenes: tuple[SceneFile, ...], program: str) -> Pat
             for task in tasks(study, scenes, program):
                 file.write(task.line() + "\n")
         part.replace(path)
-        shutil.copyfile(SCRIPT, path.with_name(SCRIPT.name))
+        copy_scripts(path.parent)
     except OSError as error:
         raise InputError(path, f"cannot be written ({error.strerror})", "check the disk") from None
     finally:

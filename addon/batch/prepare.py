@@ -17,7 +17,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from ..scene.render_task import part_of
+from ..scene.picture_file import part_of
 from .file_names import file_names
 from .plan import Prepared, prepared_files
 from .scenes import SceneFile

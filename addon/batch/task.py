@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 SCRIPT = Path(__file__).parents[1] / "scene" / "render_task.py"
-"""What a plain Blender does tasks with; a copy of it lies beside each plan."""
+"""What a plain Blender does tasks with."""
+
+
+def copy_scripts(folder: Path) -> None:
+    """Put `SCRIPT`, and what it imports, beside a plan."""
+    for name in ("picture_file.py", SCRIPT.name):
+        shutil.copyfile(SCRIPT.with_name(name), folder / name)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """One picture, whole or not at all: what `render` calls, and a script for a plain Blender.
 
-A batch puts a copy of this very file beside its plan: it needs Blender, nothing of the package.
+A batch puts a copy of it and of `picture_file` beside its plan: it needs Blender, no package.
 
     blender -b --factory-startup -P render_task.py -- PLAN.jsonl --first 0 --count 40
     blender -b --factory-startup -P render_task.py -- --serve
@@ -18,17 +18,18 @@ import json
 import os
 import queue
 import shutil
-import socket
-import struct
 import sys
 import threading
 import time
-import zlib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
+if __package__:
+    from .picture_file import check, part_of, whole, without_times
+else:  # a copy beside a plan
+    sys.path.insert(0, str(Path(__file__).resolve().parent))
+    from picture_file import check, part_of, whole, without_times  # type: ignore[no-redef]
 
 ANSWER = "skylight-task "
 """What an answer's line starts with: Blender greets on stdout before any script can stop it."""
@@ -38,7 +39,6 @@ EXR = {"file_format": "OPEN_EXR", "color_depth": "32", "exr_codec": "ZIP"}
 PNG = {"file_format": "PNG", "color_depth": "8", "compression": 15}
 # What differs from one render to the next and would make equal pictures differ as files.
 STAMPS = ("date", "time", "render_time", "memory", "hostname", "filename")
-CYCLES_STAMPS = b"cycles."  # more of that, which no setting turns off
 
 
 def engines() -> dict[str, str]:
@@ -47,16 +47,6 @@ def engines() -> dict[str, str]:
 
     eevee = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
     return {"eevee": eevee, "cycles": "CYCLES"}
-
-
-def part_of(path: Path) -> Path:
-    """Return the name under which this process writes a file before it is whole."""
-    return path.with_name(f".{path.stem}.{host()}.{os.getpid()}.part{path.suffix}")
-
-
-def host() -> str:
-    """Return this machine's name as names of files can have it."""
-    return "".join(c for c in socket.gethostname() if c.isalnum() or c == "-") or "host"
 
 
 def picture(scene: Any, exr: Path, camera: Any, engine: str | None = None, note: str = "") -> None:
@@ -118,131 +108,6 @@ def _set(owner: Any, values: dict[str, Any]) -> Iterator[None]:
     finally:
         for name, value in before.items():
             setattr(owner, name, value)
-
-
-# Whole files. OpenEXR 2.0 file layout, https://openexr.com/en/latest/OpenEXRFileLayout.html;
-# PNG third edition, https://www.w3.org/TR/png-3. Only what `EXR` and `PNG` make Blender write.
-
-
-def whole(exr: Path, width: int, height: int, note: str) -> bool:
-    """Return whether a picture's two files are there, complete, of this size and with this note."""
-    try:
-        for path in (exr, exr.with_suffix(".png")):
-            check(path.read_bytes(), width, height, note)
-    except (OSError, ValueError):
-        return False
-    return True
-
-
-def check(content: bytes, width: int, height: int, note: str = "") -> None:
-    """Decode a picture to its last scanline; ValueError says what is wrong with it."""
-    try:
-        found = (_check_png if content[:4] == b"\x89PNG" else _check_exr)(content, width, height)
-    except (struct.error, zlib.error, LookupError, OverflowError) as error:
-        raise ValueError(f"it is cut short or damaged ({error})") from None
-    if note and found != note:
-        raise ValueError("it was made from other data")
-
-
-def without_times(content: bytes) -> bytes:
-    """Return a picture without what Cycles notes of its own speed."""
-    if content[:4] == b"\x89PNG":
-        keep = [c for kind, c in _chunks(content) if not c[8:].startswith(CYCLES_STAMPS)]
-        return content[:8] + b"".join(keep)
-    attributes, end = _attributes(content)
-    gone = [(a, b) for name, _, a, b in attributes if name.startswith(CYCLES_STAMPS)]
-    header, place = b"", 0
-    for first, last in gone:
-        header += content[place:first]
-        place = last
-    header += content[place:end]
-    shift, lines = end - len(header), _blocks(content, end)
-    table = struct.pack(f"<{len(lines)}Q", *(offset - shift for offset in lines))
-    return header + table + content[end + len(table) :]
-
-
-def _attributes(content: bytes) -> tuple[list[tuple[bytes, bytes, int, int]], int]:
-    """Return name, value, start and end of each entry of an EXR's header, and where that ends."""
-    if content[:5] != b"v/1\x01\x02" or content[5] & ~4:  # bit 10 allows long names
-        raise ValueError("it is no OpenEXR file of scanlines")
-    found, place = [], 8
-    while content[place]:
-        start = place
-        name = content[place : content.index(b"\0", place)]
-        place = content.index(b"\0", place + len(name) + 1) + 1
-        length = struct.unpack_from("<i", content, place)[0]
-        found.append((name, content[place + 4 : place + 4 + length], start, place + 4 + length))
-        place += 4 + length
-    return found, place + 1
-
-
-def _blocks(content: bytes, end: int) -> tuple[int, ...]:
-    """Return where an EXR's blocks of 16 scanlines start, by the table behind its header."""
-    header = {name: value for name, value, _, _ in _attributes(content)[0]}
-    _, top, _, bottom = struct.unpack("<4i", header[b"dataWindow"])
-    return struct.unpack_from(f"<{(bottom - top) // 16 + 1}Q", content, end)
-
-
-def _check_exr(content: bytes, width: int, height: int) -> str:
-    attributes, end = _attributes(content)
-    header = {name: value for name, value, _, _ in attributes}
-    left, top, right, bottom = struct.unpack("<4i", header[b"dataWindow"])
-    if (right - left + 1, bottom - top + 1) != (width, height):
-        raise ValueError(f"it has {right - left + 1} x {bottom - top + 1} pixels")
-    channels, place = [], 0
-    while header[b"channels"][place]:
-        stop = header[b"channels"].index(b"\0", place)
-        kind = struct.unpack_from("<i", header[b"channels"], stop + 1)[0]
-        channels.append((header[b"channels"][place:stop].decode(), kind))
-        place = stop + 17
-    if channels not in ([(c, 2) for c in "BGR"], [(c, 2) for c in "ABGR"]):
-        raise ValueError(f"its channels are {channels}, not R, G, B in 32 bits")
-    if header[b"compression"] != b"\3":
-        raise ValueError("it is not ZIP compressed")
-    for row, offset in zip(range(0, height, 16), _blocks(content, end), strict=True):
-        y, packed = struct.unpack_from("<2i", content, offset)
-        data = content[offset + 8 : offset + 8 + packed]
-        wanted = min(16, height - row) * width * 4 * len(channels)
-        if y - top != row or len(data) != packed:
-            raise ValueError(f"it is cut short at line {row}")
-        if packed < wanted:
-            data = zlib.decompress(data)
-        if len(data) != wanted:
-            raise ValueError(f"it is damaged at line {row}")
-        if packed < wanted:  # undo the predictor, then the halves of the words
-            steps = np.frombuffer(data, np.uint8).cumsum(dtype=np.uint8)
-            steps[1::2] -= 128
-            data = np.stack(np.split(steps, 2), axis=1).tobytes()
-        if not np.isfinite(np.frombuffer(data, "<f4")).all():
-            raise ValueError(f"it holds values that are not finite at line {row} or below")
-    return header.get(b"Note", b"").decode()
-
-
-def _chunks(content: bytes) -> Iterator[tuple[bytes, bytes]]:
-    """Give kind and all bytes of each chunk of a PNG."""
-    place, kind = 8, b""
-    while kind != b"IEND":
-        length, kind = struct.unpack_from(">I4s", content, place)
-        chunk = content[place : place + 12 + length]
-        if zlib.crc32(chunk[4:-4]) != struct.unpack_from(">I", content, place + 8 + length)[0]:
-            raise ValueError("it is damaged")
-        yield kind, chunk
-        place += len(chunk)
-
-
-def _check_png(content: bytes, width: int, height: int) -> str:
-    chunks = list(_chunks(content))
-    found = struct.unpack_from(">IIBB", chunks[0][1], 8)
-    if found not in ((width, height, 8, 2), (width, height, 8, 6)):
-        raise ValueError(f"it has {found[0]} x {found[1]} pixels of {found[2]} bits")
-    pixels = zlib.decompress(b"".join(chunk[8:-4] for kind, chunk in chunks if kind == b"IDAT"))
-    if len(pixels) != height * (1 + width * (3 if found[3] == 2 else 4)):
-        raise ValueError("it is cut short")
-    texts = [chunk[8:-4].partition(b"\0") for kind, chunk in chunks if kind == b"tEXt"]
-    return next((text.decode("latin-1") for name, _, text in texts if name == b"Note"), "")
-
-
-# Tasks, as `batch/task.py` has them.
 
 
 def missing_files() -> list[str]:

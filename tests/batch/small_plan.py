@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 
 from spectral_skylight.addon.batch.plan import FORMAT, VERSION
-from spectral_skylight.addon.batch.task import SCRIPT, Task
+from spectral_skylight.addon.batch.task import Task, copy_scripts
 
 BLEND = """
 import sys, bpy
@@ -38,7 +38,7 @@ def small_plan(folder: Path, cameras: int = 6, size: int = 32, samples: int = 1)
     (folder / "prepared").mkdir(parents=True)
     make = BLEND.format(cameras=cameras, folder=folder.as_posix())
     subprocess.run([sys.executable, "-c", make], check=True, capture_output=True)
-    shutil.copy(SCRIPT, folder)
+    copy_scripts(folder)
     tasks = [
         Task(
             index=cameras * row + camera,

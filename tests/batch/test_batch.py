@@ -17,7 +17,7 @@ bpy = pytest.importorskip("bpy", reason="bpy is not installed")
 
 from spectral_skylight.addon import cli  # noqa: E402
 from spectral_skylight.addon.batch import plan  # noqa: E402
-from spectral_skylight.addon.scene import render_task, spectral  # noqa: E402
+from spectral_skylight.addon.scene import picture_file, render_task, spectral  # noqa: E402
 from spectral_skylight.addon.scene import world as worlds  # noqa: E402
 from spectral_skylight.tests.batch.studies import (  # noqa: E402
     NOON,
@@ -80,7 +80,7 @@ def test_all_pictures_are_there_and_say_what_they_are(alone, office):
     found = pictures(office, "alone")
     assert len(found) == 16
     for task in tasks(office, "alone"):
-        assert render_task.whole(folder / task.exr, 16, 16, task.key)
+        assert picture_file.whole(folder / task.exr, 16, 16, task.key)
     assert "house_grey_2025-06-21_1200/house_grey_2025-06-21_1200_View 2_0001.exr" in found
     assert len({content for name, content in found.items() if name.endswith(".exr")}) == 8
     report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
@@ -101,7 +101,7 @@ def test_prepared_files_need_nothing_from_elsewhere(alone, office, tmp_path):
     moved.mkdir()
     folder = alone[0]
     task = tasks(office, "alone")[1]
-    for name in (task.blend, "render_task.py", "plan.jsonl"):
+    for name in (task.blend, "render_task.py", "picture_file.py", "plan.jsonl"):
         (moved / name).parent.mkdir(exist_ok=True)
         (moved / name).write_bytes((folder / name).read_bytes())
     for path in (folder / "prepared").iterdir():
@@ -152,7 +152,7 @@ def test_a_second_run_mends_what_is_not_whole(alone, office, capsys):
     second.write_bytes(third.read_bytes())
     third.with_suffix(".png").write_bytes(b"")
     fourth.unlink()
-    leftover = render_task.part_of(fourth)
+    leftover = picture_file.part_of(fourth)
     leftover.touch()
     assert cli.main(["batch", "run", str(office / "alone" / "plan.jsonl"), "--workers", "2"]) == 0
     assert "4 rendered, 4 were there, 0 failed" in capsys.readouterr().out

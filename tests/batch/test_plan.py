@@ -9,7 +9,7 @@ from spectral_skylight.addon.batch import plan
 from spectral_skylight.addon.batch.file_names import file_names
 from spectral_skylight.addon.batch.scenes import SceneFile
 from spectral_skylight.addon.batch.study import read_study
-from spectral_skylight.addon.batch.task import task_of
+from spectral_skylight.addon.batch.task import SCRIPT, task_of
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.tests.batch.studies import NOON, write_inputs, write_study
 
@@ -39,7 +39,7 @@ def test_a_plan_is_written_and_read(study, tmp_path):
         "pictures/house_red_2025-06-21_0900/house_red_2025-06-21_0900_South-1_0007.exr"
     )
     assert tasks[2].exr.endswith("South-1-2_0007.exr")  # South:1 would be the same file
-    assert (path.parent / "render_task.py").read_bytes() == plan.SCRIPT.read_bytes()
+    assert (path.parent / "render_task.py").read_bytes() == SCRIPT.read_bytes()
     blends = [task.blend for task in tasks]
     assert blends == sorted(blends, key=blends.index) and len(set(blends)) == 6  # together
     again = plan.write_plan(study, (house(tmp_path),), "program")

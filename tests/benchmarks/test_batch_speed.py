@@ -14,6 +14,7 @@ import pytest
 from spectral_skylight.addon.batch import local_pool, plan, run
 from spectral_skylight.addon.batch.scenes import SceneFile
 from spectral_skylight.addon.batch.study import read_study
+from spectral_skylight.addon.batch.task import SCRIPT
 from spectral_skylight.tests.batch.studies import NOON, write_inputs, write_scene, write_study
 
 pytestmark = pytest.mark.slow
@@ -127,7 +128,7 @@ def test_what_a_picture_costs_beyond_its_render(benchmark, office, tmp_path):
 
 OURS = f"""
 import json, os, sys, time
-sys.path.insert(0, {str(plan.SCRIPT.parent)!r})
+sys.path.insert(0, {str(SCRIPT.parent)!r})
 from pathlib import Path
 import bpy
 import render_task

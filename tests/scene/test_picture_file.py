@@ -7,7 +7,7 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from spectral_skylight.addon.scene import render_task
+from spectral_skylight.addon.scene import picture_file
 
 NOTE = "0123abcd"
 NOTED = b"Note\x000123abcd"
@@ -41,8 +41,8 @@ def picture(request, tmp_path):
 
 def test_whole_pictures_pass(picture):
     width, height, content = picture
-    render_task.check(content, width, height, NOTE)
-    render_task.check(png(width, height), width, height, NOTE)
+    picture_file.check(content, width, height, NOTE)
+    picture_file.check(png(width, height), width, height, NOTE)
 
 
 def test_cut_or_changed_anywhere_they_do_not(picture):
@@ -52,14 +52,14 @@ def test_cut_or_changed_anywhere_they_do_not(picture):
     for good in (content, drawn):
         for length in range(len(good)):
             with pytest.raises(ValueError):
-                render_task.check(good[:length], width, height)
+                picture_file.check(good[:length], width, height)
     pixels = content.index(b"dataWindow") + 200
     missed = 0
     for place in range(pixels, len(content)):
         bad = bytearray(content)
         bad[place] ^= 0x40
         try:
-            render_task.check(bytes(bad), width, height)
+            picture_file.check(bytes(bad), width, height)
         except ValueError:
             continue
         missed += 1
@@ -69,24 +69,24 @@ def test_cut_or_changed_anywhere_they_do_not(picture):
         bad = bytearray(drawn)
         bad[place] ^= 0x40
         with pytest.raises(ValueError):
-            render_task.check(bytes(bad), width, height)
+            picture_file.check(bytes(bad), width, height)
 
 
 def test_others_are_named(picture, tmp_path):
     width, height, content = picture
     grey = np.ones((height, width, 3))
     with pytest.raises(ValueError, match="pixels"):
-        render_task.check(content, width + 1, height)
+        picture_file.check(content, width + 1, height)
     with pytest.raises(ValueError, match="other data"):
-        render_task.check(content, width, height, "ffff")
+        picture_file.check(content, width, height, "ffff")
     grey[-1, -1, 1] = np.nan
     with pytest.raises(ValueError, match="not finite"):
-        render_task.check(exr(tmp_path / "nan.exr", grey), width, height)
+        picture_file.check(exr(tmp_path / "nan.exr", grey), width, height)
     with pytest.raises(ValueError, match="ZIP"):
         bare = exr(tmp_path / "bare.exr", grey, compression=OpenEXR.NO_COMPRESSION)
-        render_task.check(bare, width, height)
+        picture_file.check(bare, width, height)
     with pytest.raises(ValueError, match="no OpenEXR"):
-        render_task.check(b"", width, height)
+        picture_file.check(b"", width, height)
 
 
 def test_what_cycles_notes_of_its_speed_is_taken_out(picture, tmp_path):
@@ -96,11 +96,11 @@ def test_what_cycles_notes_of_its_speed_is_taken_out(picture, tmp_path):
     noted = {f"cycles.View.{name}": "00:01.25" for name in ("render_time", "total_time")}
     timed = exr(tmp_path / "timed.exr", rgb, Note=NOTE, **noted)
     assert b"cycles." in timed
-    (tmp_path / "clean.exr").write_bytes(render_task.without_times(timed))
+    (tmp_path / "clean.exr").write_bytes(picture_file.without_times(timed))
     clean = OpenEXR.File(str(tmp_path / "clean.exr"))
     assert not [name for name in clean.header() if name.startswith("cycles.")]
     assert clean.header()["Note"] == NOTE
     np.testing.assert_array_equal(clean.channels()["RGB"].pixels, rgb)
-    assert render_task.without_times(content) == content
+    assert picture_file.without_times(content) == content
     timed = png(width, height, (b"cycles.View.render_time\x001", NOTED))
-    assert render_task.without_times(timed) == png(width, height)
+    assert picture_file.without_times(timed) == png(width, height)
