@@ -1,0 +1,75 @@
+"""Blender's side of a window test: it answers what the test asks about Blender's state.
+
+Started by ``blender --python agent.py -- FOLDER``. The test writes an expression to FOLDER/ask; the
+value comes back, as JSON, in FOLDER/answer. What is pressed is pressed by xdotool, not from here.
+"""
+
+import importlib
+import json
+import sys
+import traceback
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
+
+
+def region(area_type, region_type):
+    """Box of the first such region on the screen, as (left, top, width, height) in pixels."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            for part in area.regions:
+                if (area.type, part.type) == (area_type, region_type) and part.width > 1:
+                    top = window.height - part.y - part.height
+                    return part.x, top, part.width, part.height
+    return None
+
+
+def at_work():
+    """Whether an operator of ours goes on; one that waits for a file does not."""
+    windows = bpy.context.window_manager.windows
+    if any(area.type == "FILE_BROWSER" for window in windows for area in window.screen.areas):
+        return False
+    running = [op.bl_idname for window in windows for op in window.modal_operators]
+    return any(name.startswith("SKYLIGHT") for name in running)
+
+
+def matrix(name):
+    """The matrix that a material was given, None without."""
+    package = "bl_ext.user_default.spectral_skylight"
+    materials = importlib.import_module(package + ".addon.scene.materials")
+    found = materials.managed(bpy.data.materials[name])
+    return found and [list(row) for row in found.matrix]
+
+
+def near(name, wanted):
+    """Whether a material has this matrix, None for none, or nearly so."""
+    found = matrix(name)
+    if found is None or wanted is None:
+        return found is wanted
+    return bool(np.abs(np.subtract(found, wanted)).max() < 1e-4)
+
+
+def listen():
+    ask, answer = FOLDER / "ask", FOLDER / "answer"
+    if ask.exists():
+        expression = ask.read_text()
+        ask.unlink()
+        try:
+            said = {"value": eval(expression, globals())}  # the test's own words
+        except Exception:
+            said = {"error": traceback.format_exc()}
+        part = answer.with_suffix(".part")
+        part.write_text(json.dumps(said, default=str))
+        part.replace(answer)
+    return 0.1
+
+
+view = bpy.context.preferences.view
+view.show_splash = False
+view.filebrowser_display_type = "SCREEN"  # there is no window manager to place another window
+bpy.context.scene.eevee.taa_samples = 1  # each takes seconds in software
+bpy.app.timers.register(listen, persistent=True)
+(FOLDER / "started").touch()

@@ -1,0 +1,215 @@
+"""The add-on in a real Blender's window: without its modules, with Esc and undo, and the tutorial.
+
+Debian's Blender runs Debian's Python, so this is also the Blender that no wheels fit.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import time
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from spectral_skylight.addon.sky.exr_file import read_exr
+from spectral_skylight.tests.window import tutorial
+from spectral_skylight.tests.window.window import Debian, Window
+
+pytestmark = [
+    pytest.mark.window,
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        "SKYLIGHT_SID" not in os.environ, reason="sh tests/window/run brings a Blender with window"
+    ),
+]
+
+ROOT = Path(__file__).resolve().parents[2]
+COMMAND = Path(sys.executable).with_name("spectral-skylight")
+KEYS = {"Enter": "Return", "Esc": "Escape"}
+SCRIPT = """
+import bpy, json, sys
+import spectral_skylight
+from spectral_skylight.addon.scene import materials
+from spectral_skylight.tests.window import tutorial
+spectral_skylight.register()
+bpy.ops.wm.read_homefile(use_factory_startup=True)
+answers = []
+for step in tutorial.steps():
+    exec(step.script)
+    found = materials.managed(bpy.data.materials["Material"])
+    answers.append(found and [list(row) for row in found.matrix])
+open("answers.json", "w").write(json.dumps(answers))
+import os
+os._exit(0)
+"""
+
+
+def command(*arguments):
+    subprocess.run([COMMAND, *map(str, arguments)], check=True)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """The folder with the files that the tutorial names."""
+    folder = tmp_path_factory.mktemp("files")
+    command("sky", "--sun-elevation", "35", "--out", folder / "sky.exr")
+    for name, content in tutorial.files().items():
+        (folder / name).write_text(content)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def bare(files):
+    """Debian with Blender and the add-on of the zip without wheels, and nothing of Python's."""
+    debian = Debian(Path(os.environ["SKYLIGHT_SID"]), "window")
+    for file in files.iterdir():
+        shutil.copy(file, debian.folder)
+    said = install(debian, "without-wheels")
+    assert "nstalled" in said
+    return debian
+
+
+@pytest.fixture(scope="module")
+def equipped(bare):
+    """The same after what the panel says was done."""
+    with Window(bare) as window:
+        window.press_tab("Skylight")
+        assert window.ask("bpy.ops.skylight.load_sky.poll()") is False
+        said = window.text(window.box("UI"))
+        for words in ("colour-science", "missing", "finished files render without"):
+            assert words in said
+        window.shot("without_wheels")
+        window.press("Copy Command")
+        line = window.ask("bpy.context.window_manager.clipboard")
+    assert "-m pip install" in line
+    bare.run("sh", "-c", line)
+    return bare
+
+
+def install(debian, name):
+    """What Blender says to a zip."""
+    version = tomllib.loads((ROOT / "blender_manifest.toml").read_text())["version"]
+    archive = ROOT / "dist" / f"spectral_skylight-{version}-{name}.zip"
+    shutil.copy(archive, debian.folder)
+    return debian.run(
+        *("blender", "--command", "extension", "install-file", "--repo", "user_default"),
+        *("--enable", f"{debian.inside}/{archive.name}"),
+        check=False,
+    )
+
+
+def test_blender_refuses_wheels_of_another_python(files):
+    debian = Debian(Path(os.environ["SKYLIGHT_SID"]), "refused")
+    expression = "import sys; print('python', *sys.version_info[:2])"
+    python = debian.run("blender", "--background", "--python-expr", expression)
+    if "python 3 11" in python or "python 3 13" in python:
+        pytest.skip("this Blender's Python is one that the zips have wheels for")
+    assert "isn't compatible with" in install(debian, "linux-x64")
+
+
+def test_a_finished_file_renders_without_the_modules(bare, files):
+    """What the command line made here, rendered there by Eevee's neighbour Cycles."""
+    scene = files / "scene.blend"
+    make = (
+        "import bpy; bpy.ops.wm.read_homefile(use_factory_startup=True); s = bpy.context.scene; "
+        "s.render.engine = 'CYCLES'; s.cycles.samples = 4; s.cycles.use_denoising = False; "
+        "s.render.resolution_x = s.render.resolution_y = 24; "
+        f"bpy.ops.wm.save_as_mainfile(filepath={str(scene)!r}); import os; os._exit(0)"
+    )
+    subprocess.run([sys.executable, "-c", make], check=True, stdout=subprocess.DEVNULL)
+    done = files / "done.blend"
+    brick = f"Material={files / 'brick.csv'}"
+    command("apply", scene, "--sky", files / "sky.exr", "--assign", brick, "--out", done)
+    # At the same path, for the World's image is beside it.
+    shutil.copytree(files, bare.root / files.relative_to("/"), dirs_exist_ok=True)
+    command("render", done, "--engine", "cycles", "--out", files / "here.exr")
+    bare.run(
+        *("blender", "--background", str(done), "--render-format", "OPEN_EXR"),
+        *("--render-output", f"{bare.inside}/there_", "--render-frame", "1"),
+    )
+    (there,) = bare.folder.glob("there_*.exr")
+    here, there = (read(path)[8:16, 8:16] for path in (files / "here.exr", there))
+    assert here.min() > 0.003  # the cube, and no error's magenta or black
+    assert there == pytest.approx(here, rel=0.02, abs=0.002)
+
+
+def read(path):
+    """The RGB of an EXR, (h, w, 3)."""
+    return read_exr(path)[0][..., :3]
+
+
+def test_esc_and_undo(equipped):
+    """Esc ends a bake and leaves nothing of it; one Ctrl-Z takes back one click, redo brings it."""
+    with Window(equipped) as window:
+        window.press_tab("Skylight")
+        window.press("Load Sky HDRI...")
+        window.press("sky.exr", times=2)
+        window.find("Sky: sky.exr")
+        window.press("Make Everything Spectral")
+        window.wait("matrix('Material') is not None")
+        given = window.ask("matrix('Material')")
+        window.hover(window.box("WINDOW"))
+        window.key("ctrl+z")
+        window.wait("matrix('Material') is None")
+        window.key("ctrl+shift+z")
+        window.wait("matrix('Material') is not None")
+        assert window.ask("matrix('Material')") == given
+
+        # A bake of some seconds: the cube becomes a sphere of many faces.
+        window.ask(
+            "bpy.data.objects['Cube'].modifiers.new('Fine', 'SUBSURF').__setattr__('levels', 6)"
+        )
+        window.ask("setattr(bpy.context.scene.world.skylight, 'occlusion', 'baked')")
+        before = window.ask("[len(bpy.data.objects), bpy.data.objects['Cube'].modifiers.keys()]")
+        window.press("Sun, Shadows and Ground")
+        window.hover(window.find("Bake Sky Shadows"))
+        window.pointer("click", "1")
+        window.wait("at_work()", 20)
+        window.shot("baking")
+        window.key("Escape")
+        window.wait("not at_work()", 20)
+        after = window.ask("[len(bpy.data.objects), bpy.data.objects['Cube'].modifiers.keys()]")
+        assert after == before
+
+
+def test_the_tutorial(equipped, files):
+    """Pressed in the window as it says, it gives what its scripts give, and keeps its pictures."""
+    subprocess.run([sys.executable, "-c", SCRIPT], cwd=files, check=True)
+    expected = json.loads((files / "answers.json").read_text())
+    with Window(equipped) as window:
+        for step, matrix in zip(tutorial.steps(), expected, strict=True):
+            for kind, text in step.actions:
+                act(window, kind, text)
+            if step.picture:
+                view = window.box("WINDOW")
+                window.hover(view)
+                time.sleep(1)
+                window.shot(Path(step.picture).stem, view)
+            window.wait(f"near('Material', {matrix})")
+
+
+def act(window, kind, text):
+    if kind == "key":
+        if text == "N":
+            return  # the sidebar is opened with its tab
+        if text != "Enter":
+            window.hover(window.box("WINDOW"))
+        window.key(KEYS.get(text, text))
+        time.sleep(1.5)
+    elif kind == "type":
+        window.type(text)
+        time.sleep(1.5)
+    elif kind == "choose":
+        time.sleep(1)
+        window.press(text, times=2)
+    elif kind == "see":
+        window.find(text)
+    elif text == "Skylight":
+        window.press_tab(text)
+    else:
+        window.press(text)
+        if text == "Show in Viewport":
+            window.wait_for_shaders()
