@@ -32,12 +32,15 @@ def _choose(layout, context, material) -> None:
     elif choice.filepath:
         _details(layout, choice)
     row = layout.row(align=True)
-    row.operator("skylight.apply" if choice.filepath else "skylight.estimate")
+    if choice.filepath:
+        row.operator("skylight.apply")
+    else:
+        row.operator("skylight.estimate", text="Estimate")
     if material in materials.ours():
         row.operator("skylight.remove")
     row = layout.row(align=True)
-    row.operator("skylight.apply_selected")
-    row.operator("skylight.remove_selected")
+    row.operator("skylight.apply_selected", text="To Selection")
+    row.operator("skylight.remove_selected", text="From Selection")
 
 
 def _details(layout, choice) -> None:

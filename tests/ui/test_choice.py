@@ -61,6 +61,20 @@ def test_glass(scene, pane):
     assert links() == before and optics.pane_node(material()) is None
 
 
+def test_glass_alone_brings_no_lamps(scene, pane):
+    """Nothing is there for them to shine on, and they would burn out all else."""
+    objects, groups = len(bpy.data.objects), len(bpy.data.node_groups)
+    for name in ("Wall", "Roof"):
+        bpy.ops.skylight.choose_reflectance(material=name, filepath=pane, kind="GLASS")
+    bpy.ops.skylight.make_spectral()
+    tint = material().node_tree.nodes[optics.pane_node(material()).name].inputs["Transmittance"]
+    assert tint.default_value[0] < 0.6 < tint.default_value[2] < 0.81  # green to blue passes
+    assert len(bpy.data.objects) == objects
+    bpy.ops.skylight.update()
+    bpy.ops.skylight.remove_all()
+    assert (len(bpy.data.objects), len(bpy.data.node_groups)) == (objects, groups)
+
+
 def test_a_metal(scene, gold, brick):
     assert "shows no metal" in error_of(bpy.ops.skylight.apply, filepath=gold, kind="METAL")
     material().node_tree.nodes["Principled BSDF"].inputs["Metallic"].default_value = 1.0

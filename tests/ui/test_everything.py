@@ -58,6 +58,16 @@ def test_only_what_was_measured(scene, brick, lamp):
     assert ("Roof", "no reflectance is chosen for it") in everything.left_alone(scene)
 
 
+def test_a_scene_of_lamps_alone_stays_as_it_is(scene, lamp):
+    for name in ("Wall", "Roof"):
+        bpy.data.objects[name].data.materials.clear()
+        bpy.data.objects[name].data.materials.append(lamp)
+    before = len(bpy.data.objects), len(bpy.data.node_groups)
+    bpy.ops.skylight.make_spectral()
+    assert everything.left_alone(scene) == [("Sign", "gives light of its own")]
+    assert (len(bpy.data.objects), len(bpy.data.node_groups)) == before
+
+
 def test_a_broken_file_spoils_only_its_material(scene, tmp_path, brick):
     bpy.ops.skylight.choose_reflectance(filepath=brick, column="moss")
     bpy.ops.skylight.choose_reflectance(filepath=brick, column="brick", material="Roof")
