@@ -31,16 +31,29 @@ def find(scene: bpy.types.Scene) -> bpy.types.Collection | None:
 
 def ensure(scene: bpy.types.Scene) -> bpy.types.Collection:
     """The collection of a scene's receivers, brought up to date; it is in no scene itself."""
-    collection = find(scene)
-    if collection is None:
+    collection = shared = find(scene)
+    if collection is None or _is_anothers(collection, scene):
         collection = bpy.data.collections.new("Skylight Receivers")
         collection[KEY] = True
+        for lamp in _lamps(scene, shared) if shared is not None else ():
+            lamp.light_linking.receiver_collection = collection
     wanted = {obj for obj, parts in _shown(scene).items() if _receives(parts)}
     for obj in set(collection.objects) - wanted:
         collection.objects.unlink(obj)
     for obj in wanted - set(collection.objects):
         collection.objects.link(obj)
     return collection
+
+
+def _is_anothers(collection: bpy.types.Collection, scene: bpy.types.Scene) -> bool:
+    """Whether lamps of another scene have this collection: before 5.0 a full copy's have."""
+    own = set(_lamps(scene, collection))
+    return any(set(_lamps(other, collection)) - own for other in bpy.data.scenes if other != scene)
+
+
+def _lamps(scene: bpy.types.Scene, collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    lamps = (obj for obj in scene.objects if obj.type == "LIGHT")
+    return [lamp for lamp in lamps if lamp.light_linking.receiver_collection == collection]
 
 
 def mixed(scene: bpy.types.Scene) -> list[bpy.types.Object]:

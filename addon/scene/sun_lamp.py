@@ -140,7 +140,7 @@ def remove(scene: bpy.types.Scene, parts: Container[str]) -> None:
     for child in list(scene.collection.children):
         if child.get(KEY) and not child.objects:
             bpy.data.collections.remove(child)
-    if linked is not None and receivers.find(scene) is None:
+    if linked is not None and all(receivers.find(each) != linked for each in bpy.data.scenes):
         bpy.data.collections.remove(linked)
     if SUN in parts:
         release_threshold(scene.world)
