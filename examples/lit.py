@@ -29,14 +29,18 @@ from reference import WAVELENGTHS, sky_directions
 from stage import Stage, Sun
 
 from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.scene import before
+from spectral_skylight.addon.scene import render as renders
 from spectral_skylight.addon.sky.panorama import write_panorama
 
 TITLES = {
     "rgb": "RGB × RGB, light as the reference's",
     "eevee": "RGB × RGB in Eevee",
+    "rgb_same": "RGB × RGB, light as ours",
     "spectral": "Spectral Skylight in Eevee",
 }
-"""What is judged: today's multiplication alone, all of today, and ours."""
+"""What is judged: today's multiplication alone, all of today, the multiplication in our light, whose
+errors it shares, and ours."""
 
 
 def main() -> int:
@@ -73,6 +77,9 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
             command("render", out / "scene.blend", "--out", out / "eevee.exr")
         with timed(seconds, "spectral"):
             relight(stage, example, out)
+        with timed(seconds, "rgb_same"):
+            before.show(True)  # in the file that was rendered last: other values, no other light
+            renders.render(bpy.context.scene, out / "rgb_same.exr", engine="eevee")
         beside = {}
         for other, options in example.beside.items():
             folder = out / other.replace(" ", "_")
@@ -83,6 +90,7 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
     images = {
         "rgb": verdict.rgb,
         "eevee": pictures.read(out / "eevee.exr"),
+        "rgb_same": pictures.read(out / "rgb_same.exr"),
         "spectral": pictures.read(out / "spectral.exr"),
         "reference": verdict.spectral,
     }

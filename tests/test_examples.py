@@ -51,10 +51,10 @@ def test_lit_example(name, tmp_path):
     options = ["--samples", "16", "--width", "48", "--out", str(tmp_path)]
     subprocess.run([sys.executable, str(EXAMPLES / "lit.py"), name, *options], check=True)
     out = tmp_path / name
-    for picture in (name, "rgb", "eevee", "spectral", "reference"):
+    for picture in (name, "rgb", "eevee", "rgb_same", "spectral", "reference"):
         assert (out / f"{picture}.png").stat().st_size > 500  # burnt out, they are small
     report = json.loads((out / "report.json").read_text(encoding="utf-8"))
-    for way in ("spectral", "rgb", "eevee"):
+    for way in ("spectral", "rgb_same", "rgb", "eevee"):
         for error in report[way]["delta_E"], report[way]["colour"]:
             assert 0 <= error["mean"] <= error["worst"] and error["p95"] <= error["worst"]
     assert set(report["seconds"]) >= {"scene", "spectral", "eevee", "referee"}
