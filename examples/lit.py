@@ -39,8 +39,8 @@ TITLES = {
     "rgb_same": "RGB × RGB, light as ours",
     "spectral": "Spectral Skylight in Eevee",
 }
-"""What is judged: today's multiplication alone, all of today, the multiplication in our light, whose
-errors it shares, and ours."""
+"""What is judged: today's multiplication alone, all of today, the multiplication in our light with
+what is wrong with that, and ours."""
 
 
 def main() -> int:
@@ -70,7 +70,7 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
             stage = example.build(light(example, out, size))
             stages.build(stage, referee.Today(), str(out / "sky.exr"))
             rays = judging.cast(stage)
-            save_scene(out / "scene.blend")
+            save_scene(out / "scene.blend", samples)
         with timed(seconds, "referee"):
             verdict = referee.judge(stage, samples)
         with timed(seconds, "eevee"):
@@ -141,11 +141,11 @@ def light(example: Example, out: Path, size: tuple[int, int]) -> Light:
     return lit_scenes.light_of(sky, Sun(direction, disc.sum(axis=(0, 1))), size)
 
 
-def save_scene(path: Path) -> None:
+def save_scene(path: Path, samples: int) -> None:
     """Save the open scene as an architect has it: Eevee, base colours, lamps, an HDRI."""
     scene = bpy.context.scene
     scene.render.engine = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
-    scene.eevee.taa_render_samples = 64
+    scene.eevee.taa_render_samples = min(64, max(1, samples // 2))
     scene.eevee.light_threshold = 1e-4  # else Eevee drops lamps as faint as dusk
     scene.view_settings.view_transform = "Standard"
     bpy.context.preferences.filepaths.save_version = 0

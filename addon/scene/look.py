@@ -48,7 +48,13 @@ NAMES = {
     },
     "BSDF_PRINCIPLED": {"Metal Edge": "Specular Tint"},
 }
-LEFT_OUT = ("Subsurface Weight", "Sheen Weight", "Transmission Weight", "Thin Film Thickness")
+LEFT_OUT = (
+    "Subsurface Weight",
+    "Sheen Weight",
+    "Transmission Weight",
+    "Thin Film Thickness",
+    "Diffuse Roughness",
+)
 
 
 @dataclass(frozen=True)
@@ -91,7 +97,7 @@ def read(shader: Socket | None) -> Look:
         _kind(main),
         _fed_by(colour),
         tuple(colour.default_value)[:3] if colour is not None else (0.8, 0.8, 0.8),
-        tuple(dict.fromkeys(text for node in targets for text in _left_out(node))),
+        tuple(dict.fromkeys([*(t for node in targets for t in _left_out(node)), *_other(targets)])),
         glass and not any(n.type == "BSDF_DIFFUSE" for n in targets),
     )
 
@@ -255,6 +261,19 @@ def _left_out(node: Node) -> Iterator[str]:
     yield from (name.removesuffix(" Weight").lower() for name in LEFT_OUT if shows(node, name))
     if _fed_by(node.inputs.get("Tangent")) is not None:
         yield "tangent"
+    if node.type == "BSDF_DIFFUSE" and shows(node, "Roughness"):
+        yield "diffuse roughness"
+    if _kind(node) in (gloss.METAL, gloss.MIXED) and _fed_by(colour_input(node)) is not None:
+        yield "the spectrum of a metal's texture"
+
+
+def _other(targets: Sequence[Node]) -> Iterator[str]:
+    """What is lost of several matt colours that are mixed: one reflectance stands for all."""
+    matt = [node for node in targets if _kind(node) != gloss.METAL]
+    sockets = [socket for node in matt if (socket := colour_input(node)) is not None]
+    colours = {_fed_by(s) or tuple(round(part, 4) for part in s.default_value) for s in sockets}
+    if len(colours) > 1:
+        yield f"{len(colours) - 1} more base colour(s) that are mixed in"
 
 
 def colour_input(node: Node) -> Socket | None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import bpy
@@ -111,7 +111,12 @@ def look_of(material: bpy.types.Material) -> look.Look:
     outputs = outputs_of(material)
     if not outputs:
         return look.Look(None, rgb=owned.viewport_colour(material)[:3])
-    return look.read(source_before(material.node_tree, outputs[0]))
+    first, *others = (source_before(material.node_tree, output) for output in outputs)
+    found = look.read(first)
+    own = [
+        o.target.title() for o, shader in zip(outputs[1:], others, strict=True) if shader != first
+    ]
+    return replace(found, left_out=(*found.left_out, *(f"what {name} alone shows" for name in own)))
 
 
 def outputs_of(material: bpy.types.Material) -> list[bpy.types.Node]:

@@ -44,8 +44,8 @@ def stage(tmp_path_factory):
     scene.camera = camera
     camera.data.type, camera.data.ortho_scale, camera.location = "ORTHO", 8, (0, 0, 8)
     scene.render.resolution_x, scene.render.resolution_y = 64, 16
-    scene.eevee.taa_render_samples = 32
-    scene.cycles.samples, scene.cycles.use_denoising = 128, False
+    scene.eevee.taa_render_samples = 8
+    scene.cycles.samples, scene.cycles.use_denoising = 64, False
     return scene, folder, floor
 
 

@@ -190,6 +190,8 @@ def test_the_least_that_shows_it_all(values, kind):
         ("BsdfSheen", {}, look.MATT, ("what Sheen BSDF adds to a matt surface",)),
         ("BsdfPrincipled", {"Sheen_Weight": 0.5}, gloss.GLOSS, ("sheen",)),
         ("BsdfPrincipled", {"Transmission_Weight": 1.0}, gloss.GLOSS, ("transmission",)),
+        ("BsdfPrincipled", {"Diffuse_Roughness": 0.5}, gloss.GLOSS, ("diffuse roughness",)),
+        ("BsdfDiffuse", {"Roughness": 0.5}, look.MATT, ("diffuse roughness",)),
         ("BsdfGlass", {}, look.MATT, ()),
         ("Emission", {}, look.MATT, ()),
     ],
@@ -207,6 +209,30 @@ def test_other_shaders(shader, values, kind, words):
         np.testing.assert_allclose(node.inputs["Metal Color"].default_value[:3], (0.9, 0.6, 0.3))
     else:
         assert not look.set_metal(material, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+
+
+def test_colours_that_one_reflectance_cannot_hold_are_told():
+    """A second colour in a mix, a metal's texture, and another shader for Cycles."""
+    material = material_with("BsdfPrincipled", Metallic=1.0)
+    tree = material.node_tree
+    shader = tree.nodes["Old"]
+    tree.links.new(groups.add(tree, "ShaderNodeTexNoise").outputs[1], shader.inputs["Base Color"])
+    assert materials.look_of(material).left_out == ("the spectrum of a metal's texture",)
+    material = material_with("BsdfDiffuse")
+    tree = material.node_tree
+    first = tree.nodes["Old"]
+    second = groups.add(tree, "ShaderNodeBsdfPrincipled")
+    mixed = groups.add(tree, "ShaderNodeMixShader", 0.5, first.outputs[0], second.outputs[0])
+    output = tree.nodes["Output"]
+    tree.links.new(mixed.outputs[0], output.inputs["Surface"])
+    assert materials.look_of(material).left_out == ()  # both 0.8
+    second.inputs["Base Color"].default_value = (0.8, 0.1, 0.1, 1.0)
+    (line,) = materials.look_of(material).left_out
+    assert line == "1 more base colour(s) that are mixed in"
+    output.target = "EEVEE"
+    other = groups.add(tree, "ShaderNodeOutputMaterial", second.outputs[0])
+    other.target = "CYCLES"
+    assert materials.look_of(material).left_out == (line, "what Cycles alone shows")
 
 
 def test_nothing_plugged_in():
