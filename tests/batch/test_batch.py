@@ -17,7 +17,7 @@ bpy = pytest.importorskip("bpy", reason="bpy is not installed")
 
 from spectral_skylight.addon import cli  # noqa: E402
 from spectral_skylight.addon.batch import plan  # noqa: E402
-from spectral_skylight.addon.scene import picture_file, render_task, spectral  # noqa: E402
+from spectral_skylight.addon.scene import picture_file, render_task, world_pixels  # noqa: E402
 from spectral_skylight.addon.scene import world as worlds  # noqa: E402
 from spectral_skylight.tests.batch.studies import (  # noqa: E402
     NOON,
@@ -63,12 +63,12 @@ def pictures(office, out):
 @pytest.fixture(scope="module")
 def alone(office):
     """All eight pictures by one worker, with how many skies were analysed; report and output."""
-    count, real = [], spectral.analyse
-    spectral.analyse = lambda *given, **named: count.append(1) or real(*given, **named)
+    count, real = [], world_pixels.analyse
+    world_pixels.analyse = lambda *given, **named: count.append(1) or real(*given, **named)
     try:
         code = cli.main(["batch", "run", study(office, "alone"), "--workers", "1"])
     finally:
-        spectral.analyse = real
+        world_pixels.analyse = real
     assert code == 0
     return office / "alone", len(count)
 
