@@ -51,6 +51,7 @@ def run(options: argparse.Namespace) -> None:
         record = {
             "spectra": _records(found, rgb_albedo(found.values, options.space), under),
             "problems": list(found.problems),
+            "unused": found.unused,
             "others": found.others,
             "sky": options.sky,
             "space": options.space,
@@ -67,7 +68,7 @@ def run(options: argparse.Namespace) -> None:
     for problem in found.problems[:TOLD]:
         print(problem, file=sys.stderr)
     others = f", {found.others} files hold something else" if found.others else ""
-    unused = f", {len(found.problems)} cannot be used" if found.problems else ""
+    unused = f", {found.unused} cannot be used" if found.unused else ""
     unused += " (--json tells all)" if len(found.problems) > TOLD else ""
     print(f"{len(found)} of {len(whole)} spectra{unused}{others}", file=sys.stderr)
 

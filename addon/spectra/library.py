@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Generator, Iterable, Sequence
+from collections.abc import Generator, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -35,8 +35,9 @@ class Library:
     """Reflectances of many files.
 
     ``values`` (m, 81); of each: ``names``, by which its file knows it too, ``classes`` (what kind
-    of thing, or empty), ``sources`` (folder and file, for people), ``paths``. ``problems``: a line
-    for each file or spectrum that cannot be used. ``others``: how many files hold something else.
+    of thing, or empty), ``sources`` (folder and file, for people), ``paths``. ``problems``: why
+    files and spectra cannot be used, ``unused`` in number; spectra of one file with the same fault
+    share a line. ``others``: how many files hold something else.
     """
 
     names: tuple[str, ...] = ()
@@ -45,6 +46,7 @@ class Library:
     paths: tuple[str, ...] = ()
     values: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 81)))
     problems: tuple[str, ...] = ()
+    unused: int = 0
     others: int = 0
 
     def __len__(self) -> int:
@@ -170,7 +172,7 @@ class _Folder:
         """Read what is new, yielding how far it is; `library` is there at the end."""
         if not self.folder.is_dir():
             line = f"{self.folder}: is no folder; choose it anew or take it off the list"
-            self.library = Library(problems=(line,))
+            self.library = Library(problems=(line,), unused=1)
             return
         place = cache.place(
             "library", {"folder": str(self.folder.resolve())}, Path(__file__).parent
@@ -227,26 +229,45 @@ def _stamp(path: Path) -> list[int]:
 
 def _record(path: Path) -> dict[str, Any]:
     """Return what is kept of a file: spectra, problems, whether it is about something else."""
-    record: dict[str, Any] = {"names": [], "classes": [], "values": np.empty((0, 81))}
     try:
         read = read_all(path)
     except NoSpectra as error:
         # A table that is none is a mistake; a text, a record or a matrix of other things is not.
         broken = path.suffix.lower() in (".csv", ".tsv", ".sli")
-        return {**record, "problems": [str(error)] if broken else [], "other": not broken}
+        return _nothing(str(error)) if broken else _nothing() | {"other": True}
     except InputError as error:
-        return {**record, "problems": [str(error)], "other": False}
+        return _nothing(str(error))
     except Exception as error:  # a damaged file must not cost the others, whatever it raises
         line = f"{path}: cannot be read ({type(error).__name__}: {error}); take it anew"
-        return {**record, "problems": [" ".join(line.split())], "other": False}
+        return _nothing(" ".join(line.split()))
     classes = read.classes or ("",) * len(read.names)
     return {
         "names": list(read.names),
         "classes": [str(kind) for kind in classes],
         "values": read.values,
-        "problems": list(dict.fromkeys(str(error) for error in read.problems.values())),
+        "problems": _faults(read.problems),
+        "unused": len(read.problems),
         "other": False,
     }
+
+
+def _nothing(*problems: str) -> dict[str, Any]:
+    empty = {"names": [], "classes": [], "values": np.empty((0, 81)), "other": False}
+    return {**empty, "problems": list(problems), "unused": len(problems)}
+
+
+def _faults(problems: Mapping[str, InputError]) -> list[str]:
+    """Return a line for each fault: a library has it in hundreds of spectra that are infrared."""
+    alike: dict[str, list[str]] = {}
+    for name, error in problems.items():
+        _, named, rest = str(error).rpartition(f"'{name}'")
+        alike.setdefault(rest if named else str(error), []).append(name)
+    lines = []
+    for names in alike.values():
+        line, more = str(problems[names[0]]), len(names) - 1
+        said = f"'{names[0]}'"
+        lines.append(line.replace(said, f"{said} and {more} more", 1) if more else line)
+    return lines
 
 
 def _packed(records: dict[str, dict[str, Any]]) -> dict[str, NDArray]:
@@ -287,6 +308,7 @@ def _of_record(path: str, source: str, record: dict[str, Any]) -> Library:
         paths=(path,) * count,
         values=record["values"],
         problems=tuple(record["problems"]),
+        unused=record["unused"],
         others=int(record["other"]),
     )
 
@@ -304,5 +326,6 @@ def _joined(parts: Sequence[Library]) -> Library:
         paths=all_of("paths"),
         values=np.concatenate([np.empty((0, 81)), *(part.values for part in parts)]),
         problems=all_of("problems"),
+        unused=sum(part.unused for part in parts),
         others=sum(part.others for part in parts),
     )

@@ -99,7 +99,7 @@ stays. Esc ends it"""
             row.name, row.number = name, number
         places = zip(done.paths, done.names, strict=True)
         own.active = next((k for k, place in enumerate(places) if place == before), 0)
-        unused = f", {len(done.problems)} cannot be used" if done.problems else ""
+        unused = f", {done.unused} cannot be used" if done.unused else ""
         return [*assignments.refresh(done), ("INFO", f"{len(done)} reflectances{unused}")]
 
 
@@ -181,7 +181,7 @@ def _about(layout, context, number: int) -> None:
     row.operator("skylight.assign_to_selected")
     layout.operator("skylight.write_assets", icon="ASSET_MANAGER")
     if found.problems:
-        text = f"{len(found.problems)} Cannot Be Used..."
+        text = f"{found.unused} Cannot Be Used..."
         layout.operator("skylight.library_problems", text=text, icon="ERROR")
 
 

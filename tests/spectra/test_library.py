@@ -127,6 +127,21 @@ def test_folders_that_are_not_there_are_told(tmp_path, folder):
     assert len(found) == 5 and "gone: is no folder" in found.problems[0]
 
 
+def test_spectra_of_a_file_with_the_same_fault_share_a_line(tmp_path):
+    values = {f"leaf {k}": np.where(X == 500, -0.1, 0.2) for k in range(30)}
+    csv(
+        tmp_path / "leaves.csv",
+        **values,
+        good=curve(0.1, 0.2),
+        lost=np.where(X == 600, np.nan, 0.2),
+    )
+    found = library.whole([tmp_path])
+    assert found.names == ("good",) and found.unused == 31
+    assert len(found.problems) == 2
+    assert ":14, column 'leaf 0' and 29 more: -0.1 is under 0" in found.problems[0]
+    assert "'lost': nan is not a number" in found.problems[1]
+
+
 def test_whatever_a_reader_raises_costs_its_file_alone(folder, monkeypatch):
     original = library.read_all
 
