@@ -99,6 +99,7 @@ class Long(Thin):
         if event.type == "TIMER":
             until = time.monotonic() + SLICE
             try:
+                progress = next(self.generator)
                 while time.monotonic() < until:
                     progress = next(self.generator)
             except StopIteration as done:

@@ -83,9 +83,13 @@ change, so that the view follows at once"""
 
     @classmethod
     def hindrance(cls, context):
-        from ..scene import materials
+        from ..scene import materials, owned
 
-        return "" if materials.ours() else "No material is spectral yet"
+        found = materials.ours()
+        if not found:
+            return "No material is spectral yet"
+        known = any(owned.OTHER in material for material in found)
+        return "" if known else "An earlier version kept no RGB × RGB: press Update first"
 
     def run(self, context):
         from ..scene import before
