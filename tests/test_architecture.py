@@ -33,7 +33,7 @@ MODULES_OF = {
     "errors": set(),
     "spectra": {"numpy", "colour", "scipy"},
     "sky": {"numpy", "OpenEXR", "pvlib", "scipy", "tqdm"},
-    "transfer": {"numpy", "colour", "matplotlib", "scipy", "tqdm"},
+    "transfer": {"numpy", "colour", "matplotlib", "PIL", "scipy", "tqdm"},
     "pictures": {"numpy", "scipy"},
     "node_groups": {"bpy"},
     "scene": {"bpy", "bpy_extras", "embreex", "mathutils", "numpy", "picture_file"},

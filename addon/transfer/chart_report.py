@@ -127,7 +127,8 @@ def _caption(skies: list[FullSky], rho: NDArray[np.float64], made: Mapping[str, 
         f"{' and '.join(AIRS)} air), without the sun's disc; {len(FACE_NAMES)} faces, "
         f"{len(rho)} materials. Left: the light is exact. Right: the materials are.",
         "Below: light of one spectrum, by what is known of it; of "
-        f"{', '.join(GROUNDS)}; of {', '.join(GLASSES)} glass; of the lamps {', '.join(LAMPS)}.",
+        f"{', '.join(GROUNDS)}; of {', '.join(GLASSES)} glass; of the lamps {', '.join(LAMPS)}. "
+        "Of live suns the sum is timed, not their shadows.",
         "Own white and prefiltered RGB are told the spectrum of the light on level ground. "
         "The basis atmosphere rests on skies of the same simulation, with other air; what is "
         "known of the sky stands behind it.",

@@ -132,6 +132,15 @@ def _legend_below(figure: Any, axis: Any) -> None:
     figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False, fontsize=8)
 
 
+def _few_colours(path: Path) -> None:
+    """Make a PNG a third as large: figures have few colours, and their edges' shades are as few."""
+    from PIL import Image  # matplotlib's own
+
+    with Image.open(path) as picture:
+        few = picture.convert("RGB").quantize(128, dither=Image.Dither.NONE)
+    few.save(path, optimize=True)
+
+
 def write(figure: Any, stem: Path) -> list[Path]:
     """Write a figure as PNG and SVG, the same bytes each time."""
     import matplotlib
@@ -139,5 +148,6 @@ def write(figure: Any, stem: Path) -> list[Path]:
     paths = [stem.with_suffix(suffix) for suffix in (".png", ".svg")]
     with matplotlib.rc_context({"svg.hashsalt": stem.name, "svg.fonttype": "none"}):
         figure.savefig(paths[0], dpi=160, metadata={"Software": None})
+        _few_colours(paths[0])
         figure.savefig(paths[1], metadata={"Date": None})
     return paths
