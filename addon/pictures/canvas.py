@@ -39,6 +39,7 @@ class Canvas:
     def frame(self, x0: float, y0: float, x1: float, y1: float, colour: ArrayLike, width: float):
         """Draw a rectangle's outline, ``width`` wide, inside its edges."""
         outer = self._upright(x0, y0, x1, y1)
+        width = min(width, (x1 - x0) / 2.0, (y1 - y0) / 2.0)  # a small one is all edge
         self._paint(outer - self._upright(x0 + width, y0 + width, x1 - width, y1 - width), colour)
 
     def area(

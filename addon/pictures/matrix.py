@@ -21,6 +21,8 @@ LEFT, TOP, CELL, GAP = 70.0, 48.0, 124.0, 5.0
 LARGEST = 84.0
 """Side of the square of the largest entry [units]."""
 
+_NOTHING = 1e-4
+"""Of the largest entry: less has no outline, for it is rounding."""
 _TEXT, _SMALL = 23.0, 20.0
 _CHANNELS = {"R": (0.87, 0.25, 0.22), "G": (0.25, 0.66, 0.32), "B": (0.28, 0.47, 0.93)}
 
@@ -51,11 +53,11 @@ def matrix(
         middle, half = y - 14, side(value, largest) / 2
         shade = theme.plus if value > 0 else theme.minus
         canvas.rectangle(x - half, middle - half, x + half, middle + half, shade)
-        if other[row, column]:
+        if abs(other[row, column]) > _NOTHING * largest:
             half = side(other[row, column], largest) / 2
             canvas.frame(x - half, middle - half, x + half, middle + half, theme.ink, 2.0)
         canvas.text(x, y + CELL / 2 - 8, signed(value), _TEXT, theme.ink, 0.5)
-    _legend(canvas, theme, bool(other.any()))
+    _legend(canvas, theme, today is not None)
     return canvas.pixels
 
 
