@@ -46,7 +46,7 @@ def ensure(scene: bpy.types.Scene) -> bpy.types.Collection:
 
 
 def _is_anothers(collection: bpy.types.Collection, scene: bpy.types.Scene) -> bool:
-    """Whether lamps of another scene have this collection: before 5.0 a full copy's have."""
+    """Whether lamps of another scene have this collection: before 5.2 a full copy's have."""
     own = set(_lamps(scene, collection))
     return any(set(_lamps(other, collection)) - own for other in bpy.data.scenes if other != scene)
 
