@@ -51,7 +51,7 @@ def _details(layout, choice) -> None:
     if choice.kind == "GLASS":
         layout.prop(choice, "pane")
         return
-    layout.prop(choice, "behind")
+    layout.prop(choice, "behind", text="Behind")
     if choice.behind:
         layout.prop(choice, "behind_column")
 
