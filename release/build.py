@@ -10,12 +10,12 @@ import shutil
 import subprocess
 import sys
 import tarfile
+import tempfile
 import tomllib
 from pathlib import Path
 
 from platforms import PLATFORMS, ROOT, Platform, fetch
 
-BUILD = ROOT / "build" / "release"
 DIST = ROOT / "dist"
 MANIFEST = "blender_manifest.toml"
 
@@ -30,20 +30,21 @@ def main() -> int:
         print(f"not a clean tree, commit first or say --uncommitted:\n{changed}", file=sys.stderr)
         return 1
     # A commit of tracked files as they are, on no branch; empty where nothing has changed.
-    commit = (git("stash", "create") if options.uncommitted else "") or "HEAD"
-    shutil.rmtree(BUILD, ignore_errors=True)
+    stash = ("-c", "user.name=nobody", "-c", "user.email=nobody@localhost", "stash", "create")
+    commit = (git(*stash) if options.uncommitted else "") or "HEAD"
     DIST.mkdir(exist_ok=True)
-    for platform in PLATFORMS:
-        if options.only in (None, platform.name):
-            build(commit, platform)
-    build(commit, None)
+    with tempfile.TemporaryDirectory() as folder:
+        for platform in PLATFORMS:
+            if options.only in (None, platform.name):
+                build(commit, platform, Path(folder))
+        build(commit, None, Path(folder))
     return 0
 
 
-def build(commit: str, platform: Platform | None) -> None:
+def build(commit: str, platform: Platform | None, folder: Path) -> None:
     """One zip of a commit: with a platform's wheels, or for a Python that has the modules."""
     name = platform.name if platform else "without-wheels"
-    source = BUILD / name
+    source = folder / name
     source.mkdir(parents=True)
     archive = subprocess.run(
         ["git", "archive", commit], cwd=ROOT, check=True, capture_output=True
@@ -54,8 +55,10 @@ def build(commit: str, platform: Platform | None) -> None:
         declare(source / MANIFEST, platform, fetch(platform, source / "wheels"))
     version = tomllib.loads((source / MANIFEST).read_text(encoding="utf-8"))["version"]
     target = DIST / f"spectral_skylight-{version}-{name}.zip"
-    blender_ext("build", "--source-dir", source, "--output-filepath", target)
-    blender_ext("validate", target)
+    part = folder / target.name
+    blender_ext("build", "--source-dir", source, "--output-filepath", part)
+    blender_ext("validate", part)
+    shutil.move(part, target)  # dist/ holds what was judged good
     print(f"{target.relative_to(ROOT)}  {target.stat().st_size / 1e6:.1f} MB")
 
 
