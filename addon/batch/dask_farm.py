@@ -145,27 +145,34 @@ class DaskPool:
 
         Raises ConnectionError where the scheduler has gone, and what `note` raises.
         """
-        future: Any = None
-        while future not in self._away:
+        while True:
             self.workers()
             with contextlib.suppress(queue.Empty):
                 future = self._done.get(timeout=1)
+                if future in self._away and (answers := self._answers(future)) is not None:
+                    break
         chunk = self._away.pop(future)
-        try:
-            answers = future.result()
-        except Exception as error:  # KilledWorker, CancelledError, what a worker raised
-            self.workers(age=0)
-            reason = " ".join(str(error).split()) or type(error).__name__
-            failure = {"status": "failed", "error": reason}
-            answers = [{"index": task.index, **failure} for task in chunk]
         for task, answer in zip(chunk, answers, strict=True):
             if answer["status"] == "rendered":
-                self._rendered, self._seconds = (
-                    self._rendered + 1,
-                    self._seconds + answer["seconds"],
-                )
+                self._rendered += 1
+                self._seconds += answer["seconds"]
             self.note(task, answer)
         return chunk, answers
+
+    def _answers(self, future: Future) -> Sequence[dict[str, Any]] | None:
+        """Return what came of a chunk; None where that went with its worker and comes again."""
+        try:
+            return future.result(timeout=5)
+        except Exception as error:  # KilledWorker, CancelledError, what a worker raised
+            self.workers(age=0)
+            if future not in self._away:
+                return None
+            if isinstance(error, TimeoutError) and future.status != "error":
+                self._done.put(future)
+                return None
+            reason = " ".join(str(error).split()) or type(error).__name__
+            failure = {"status": "failed", "error": reason}
+            return [{"index": task.index, **failure} for task in self._away[future]]
 
     def _send_again(self) -> None:
         """Send again what waits for workers that are all gone.

@@ -9,6 +9,9 @@ import sys
 import time
 from pathlib import Path
 
+from spectral_skylight.addon.batch.plan import FORMAT, VERSION
+from spectral_skylight.addon.batch.task import Task
+
 
 class Cluster:
     """A scheduler in an environment, and the workers that are started with it."""
@@ -40,3 +43,35 @@ class Cluster:
             process = subprocess.Popen(command, env=self.environment, stdout=log, stderr=log)
         self.processes.append(process)
         return process
+
+
+INSTANT = f"""#!{sys.executable} -S
+import json, sys
+for line in sys.stdin:
+    answer = {{"index": json.loads(line)["index"], "status": "rendered", "seconds": 0.0}}
+    print("skylight-task " + json.dumps(answer), flush=True)
+"""
+
+
+def instant_blender(folder: Path) -> str:
+    """What takes no time and draws nothing, in place of a Blender; for POSIX."""
+    blender = folder / "blender"
+    blender.write_text(INSTANT)
+    blender.chmod(0o755)
+    return str(blender)
+
+
+def instant_plan(folder: Path, pictures: int) -> Path:
+    """A plan of so many pictures, forty of each prepared file, none of which is there."""
+    folder.mkdir()
+    plan = folder / "plan.jsonl"
+    with plan.open("w", encoding="utf-8") as file:
+        header = {"format": FORMAT, "version": VERSION, "tasks": pictures, "study": "study.toml"}
+        file.write(json.dumps(header) + "\n")
+        for index in range(pictures):
+            sky, camera = divmod(index, 40)
+            names = (f"prepared/{sky}.blend", "Scene", f"camera {camera}")
+            where = f"pictures/{sky}/{camera}.exr"
+            task = Task(index, *names, 1, "cycles", 1, (32, 32), where, f"{index:024x}")
+            file.write(task.line() + "\n")
+    return plan

@@ -129,8 +129,14 @@ def test_workers_that_cannot_render_are_given_nothing(cluster, tmp_path):
         pass
 
 
-def test_no_scheduler_is_said(monkeypatch):
-    monkeypatch.setattr(dask_farm, "CONNECT", 1)
-    said = "tcp://127.0.0.1:9: no Dask scheduler answers"
-    with pytest.raises(InputError, match=said), dask_farm.dask_pool("tcp://127.0.0.1:9", "."):
-        pass
+def test_a_scheduler_that_goes_is_said(cluster, plan, tmp_path, monkeypatch, capsys):
+    """Last, for it takes the scheduler away: in the midst of a run, and before another."""
+    monkeypatch.setattr(dask_farm, "CONNECT", 2)
+    there = copy_plan(plan, tmp_path / "there")
+    run = ["batch", "run", str(there), "--scheduler", cluster.address]
+    when(1, there, cluster.processes[0].kill)
+    assert main(run) == 1
+    assert "Dask's scheduler has gone: what was rendered stays" in capsys.readouterr().err
+    assert files(there).items() <= files(plan).items()
+    assert main(run) == 2
+    assert f"{cluster.address}: no Dask scheduler answers" in capsys.readouterr().err

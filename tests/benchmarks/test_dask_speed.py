@@ -4,9 +4,7 @@
 that take a minute each can do; and the client holds no more for more pictures.
 """
 
-import json
 import os
-import sys
 import time
 import tracemalloc
 
@@ -16,46 +14,24 @@ pytest.importorskip("distributed")
 import dask
 
 from spectral_skylight.addon.batch import dask_farm, run
-from spectral_skylight.addon.batch.plan import FORMAT, VERSION
-from spectral_skylight.addon.batch.task import Task
-from spectral_skylight.tests.batch.dask_cluster import Cluster
+from spectral_skylight.tests.batch.dask_cluster import (
+    Cluster,
+    instant_blender,
+    instant_plan,
+)
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the stand-in for Blender is a script")
 
-INSTANT = f"""#!{sys.executable} -S
-import json, sys
-for line in sys.stdin:
-    answer = {{"index": json.loads(line)["index"], "status": "rendered", "seconds": 0.0}}
-    print("skylight-task " + json.dumps(answer), flush=True)
-"""
-
-
-def write_plan(folder, pictures):
-    folder.mkdir()
-    plan = folder / "plan.jsonl"
-    with plan.open("w", encoding="utf-8") as file:
-        header = {"format": FORMAT, "version": VERSION, "tasks": pictures, "study": "study.toml"}
-        file.write(json.dumps(header) + "\n")
-        for index in range(pictures):
-            sky, camera = divmod(index, 40)
-            names = (f"prepared/{sky}.blend", "Scene", f"camera {camera}")
-            where = f"pictures/{sky}/{camera}.exr"
-            task = Task(index, *names, 1, "cycles", 1, (32, 32), where, f"{index:024x}")
-            file.write(task.line() + "\n")
-    return plan
-
 
 def test_pictures_a_minute(benchmark, tmp_path, capsys):
-    blender = tmp_path / "blender"
-    blender.write_text(INSTANT)
-    blender.chmod(0o755)
+    blender = instant_blender(tmp_path)
     cluster = Cluster(tmp_path)
     cluster.worker(threads=4)
 
     def rendered(pictures):
         """Seconds, and the most that was held [bytes], for a plan of so many."""
-        plan = write_plan(tmp_path / str(pictures), pictures)
-        with dask_farm.dask_pool(cluster.address, plan.parent, str(blender)) as pool:
+        plan = instant_plan(tmp_path / str(pictures), pictures)
+        with dask_farm.dask_pool(cluster.address, plan.parent, blender) as pool:
             tracemalloc.start()
             start = time.perf_counter()
             outcome = run.run(plan, pool, lambda *_: None, pool.together, pool.workers)
