@@ -43,8 +43,9 @@ class WorldSky:
         if self.image is not None:
             return ""
         live = ["Strength"] * bool(self.background) + ["Rotation"] * bool(self.mapping)
-        follows = f"; its {' and '.join(live)} can be changed live" if live else ""
-        return f"the World is baked, for {self.why}: after a change press Update{follows}"
+        verb = "are" if len(live) > 1 else "is"
+        follows = f"; {' and '.join(live)} {verb} followed live" if live else ""
+        return f"baked once, for {self.why}: press Update after a change{follows}"
 
 
 def sky_of(world: bpy.types.World | None) -> WorldSky:
@@ -106,7 +107,7 @@ def _feeds(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
 
 
 def _called(node: bpy.types.Node | None) -> str:
-    return "no texture" if node is None else f'the node "{node.name}"'
+    return "no texture" if node is None else f'"{node.name}"'
 
 
 def _mapping(texture: bpy.types.Node) -> tuple[bpy.types.Node | None, str]:

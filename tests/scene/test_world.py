@@ -63,7 +63,7 @@ def test_reroutes_and_muted_nodes_are_seen_through(scene):
     tree.links.new(texture.outputs[0], reroute.inputs[0])
     tree.links.new(reroute.outputs[0], gamma.inputs["Color"])
     tree.links.new(gamma.outputs[0], background.inputs["Color"])
-    assert 'fed by the node "Gamma"' in worlds.sky_of(scene.world).why
+    assert 'fed by "Gamma"' in worlds.sky_of(scene.world).why
     gamma.mute = True
     assert worlds.sky_of(scene.world).texture == "Environment Texture"
 
@@ -133,7 +133,8 @@ def test_why_a_world_is_baked_and_what_is_followed_live(scene, change, why, live
     change(scene.world.node_tree.nodes)
     sky = worlds.sky_of(scene.world)
     assert why in sky.why and sky.image is None
-    assert (f"its {live} can be changed live" in sky.line) == bool(live)
+    verb = "are" if live == TURN else "is"
+    assert (f"; {live} {verb} followed live" in sky.line) == bool(live)
     assert "\n" not in sky.line
 
 

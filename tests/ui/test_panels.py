@@ -51,7 +51,7 @@ def test_a_world_without_an_HDRI(scene):
     scene.world = bpy.data.worlds.new("Grey")
     text = drawn(panels.SKYLIGHT_PT_sky).text
     assert "Sky: Grey" in text
-    assert "the World is baked" in text
+    assert "baked once, for it" in text
     assert "open sky" not in text
     scene.world = None
     assert "has no World" in drawn(panels.SKYLIGHT_PT_sky).text
