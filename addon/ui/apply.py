@@ -51,9 +51,9 @@ class Apply(choice.Fields, operator.Thin):
         for material, source in chosen.items():
             choice.keep(material.skylight, source, read[material].column)
         lines += [("WARNING" if r.out_of_gamut else "INFO", r.line) for r in results]
-        found = sky_light.description_of(world) or {}
-        lines += [("INFO", line) for line in found["lights"]]
-        return [*lines, ("INFO", found["caption"])]
+        found = sky_light.description_of(world)  # none where all is glass
+        told = (*found["lights"], found["caption"]) if found else ()
+        return [*lines, *(("INFO", line) for line in told)]
 
 
 class SKYLIGHT_OT_apply(Apply, bpy.types.Operator):
