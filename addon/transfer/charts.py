@@ -137,7 +137,7 @@ def _few_colours(path: Path) -> None:
     from PIL import Image  # matplotlib's own
 
     with Image.open(path) as picture:
-        few = picture.convert("RGB").quantize(128, dither=Image.Dither.NONE)
+        few = picture.convert("RGB").quantize(256, dither=Image.Dither.NONE)
     few.save(path, optimize=True)
 
 
