@@ -180,7 +180,8 @@ class _Folder:
         known = _unpacked(cache.load(place))
         kept: dict[str, dict[str, Any]] = {}
         parts: list[Library] = []
-        files = yield from _files(self.folder)
+        closed: list[str] = []
+        files = yield from _files(self.folder, closed)
         changed = len(files) != len(known)
         try:
             for number, path in enumerate(files):
@@ -197,13 +198,20 @@ class _Folder:
             raise
         if changed:
             cache.save(place, _packed(kept))
-        self.library = _joined(parts)
+        self.library = _joined([*parts, Library(problems=tuple(closed), unused=len(closed))])
 
 
-def _files(folder: Path) -> Generator[Progress, None, list[Path]]:
-    """Return all files under a folder that reflectances may be in, hidden ones left out."""
+def _files(folder: Path, closed: list[str]) -> Generator[Progress, None, list[Path]]:
+    """Return all files under a folder that reflectances may be in, hidden ones left out.
+
+    ``closed`` takes a line for each folder that may not be looked into.
+    """
+
+    def tell(error: OSError) -> None:
+        closed.append(f"{error.filename}: cannot be read ({error.strerror}); check permissions")
+
     found = []
-    for number, (at, folders, names) in enumerate(os.walk(folder)):
+    for number, (at, folders, names) in enumerate(os.walk(folder, onerror=tell)):
         if number % 100 == 99:  # someone chose their whole disk
             yield Progress(0.0, f"{at}: {len(found)} files so far")
         folders[:] = sorted(name for name in folders if not name.startswith("."))

@@ -1,6 +1,7 @@
 """Folders of reflectances: found, searched, sorted, cached; a broken file is lost alone."""
 
 import json
+import os
 
 import numpy as np
 import pytest
@@ -140,6 +141,20 @@ def test_spectra_of_a_file_with_the_same_fault_share_a_line(tmp_path):
     assert len(found.problems) == 2
     assert ":14, column 'leaf 0' and 29 more: -0.1 is under 0" in found.problems[0]
     assert "'lost': nan is not a number" in found.problems[1]
+
+
+def test_a_folder_that_may_not_be_looked_into_is_told(folder, monkeypatch):
+    original = os.scandir
+
+    def scandir(path):
+        if str(path).endswith("walls"):
+            raise PermissionError(13, "Permission denied", str(path))
+        return original(path)
+
+    monkeypatch.setattr(os, "scandir", scandir)
+    found = library.whole([folder])
+    assert found.names == ("white", "dark", "blue") and found.unused == 3
+    assert any("walls: cannot be read (Permission denied)" in line for line in found.problems)
 
 
 def test_whatever_a_reader_raises_costs_its_file_alone(folder, monkeypatch):

@@ -20,7 +20,7 @@ NAME = "ENVI spectral library"
 ENDINGS = (".sli",)
 
 _TYPES = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4", 14: "i8", 15: "u8"}
-_FIELD = re.compile(r"^[ \t]*([^={}\n]+?)[ \t]*=[ \t]*(\{[^}]*\}|[^\n]*)", re.MULTILINE)
+_FIELD = re.compile(r"^([^={}\n]+)=[ \t]*(\{[^}]*\}|[^\n]*)", re.MULTILINE)
 _NO_SAMPLE = re.compile(r"(wavelengths?|resolution|bandpass|error bars?)\b", re.IGNORECASE)
 _LARGEST = 1 << 28  # values
 
@@ -85,7 +85,7 @@ def _fields(header: Path) -> dict[str, str]:
     if not found.lstrip("\ufeff").startswith("ENVI"):
         raise InputError(header, "is no ENVI header", "its first line is ENVI")
     return {
-        key.casefold(): value.strip().removeprefix("{").removesuffix("}").strip()
+        key.strip().casefold(): value.strip().removeprefix("{").removesuffix("}").strip()
         for key, value in _FIELD.findall(found)
     }
 
