@@ -12,7 +12,7 @@ import pytest
 
 bpy = pytest.importorskip("bpy")
 psutil = pytest.importorskip("psutil")
-pytest.importorskip("distributed")
+distributed = pytest.importorskip("distributed")
 
 from spectral_skylight.addon.batch import dask_farm  # noqa: E402
 from spectral_skylight.addon.cli import main  # noqa: E402
@@ -104,13 +104,13 @@ def test_ctrl_c_ends_the_farms_work_and_a_second_run_does_the_rest(cluster, plan
     run = ["batch", "run", str(there), "--scheduler", cluster.address]
     code = f"import sys; from spectral_skylight.addon.cli import main; sys.exit(main({run}))"
     process = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE)
-    when(2, there, lambda: process.send_signal(signal.SIGINT))
+    when(1, there, lambda: process.send_signal(signal.SIGINT))
     said = process.communicate(timeout=120)[1]
     assert process.returncode == 1
     assert b"stopped" in said
     assert blenders(there) == []
     count = len(pictures(there))
-    assert 2 <= count < 9
+    assert 1 <= count < 11
 
     def replace():
         cluster.processes[-1].kill()
@@ -124,6 +124,8 @@ def test_ctrl_c_ends_the_farms_work_and_a_second_run_does_the_rest(cluster, plan
 
 def test_workers_that_cannot_render_are_given_nothing(cluster, tmp_path):
     said = "none of its .* workers can render.*no/blender.* is no Blender that can be started"
+    with distributed.Client(cluster.address, set_as_default=False) as client:
+        client.wait_for_workers(1, timeout=60)
     pool = dask_farm.dask_pool(cluster.address, tmp_path, "no/blender", patience=0)
     with pytest.raises(InputError, match=said), pool:
         pass
