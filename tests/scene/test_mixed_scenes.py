@@ -78,7 +78,7 @@ def scene(tmp_path_factory):
     camera.location, camera.data.lens = (0.0, -9.0, 4.0), 32
     camera.rotation_euler = (math.radians(72), 0, 0)
     scene.render.resolution_x = scene.render.resolution_y = SIZE
-    scene.cycles.samples, scene.cycles.max_bounces = 256, 4
+    scene.cycles.samples, scene.cycles.max_bounces = 96, 4
     scene.cycles.diffuse_bounces = scene.cycles.glossy_bounces = 3
     scene.eevee.taa_render_samples = 32
     return scene, folder
