@@ -95,6 +95,9 @@ class SKYLIGHT_PT_numbers(OfWorld, bpy.types.Panel):
         layout.use_property_split = True
         numbers = context.scene.world.skylight
         layout.prop(numbers, "basis")
+        layout.prop(numbers, "sun_told")
+        if numbers.sun_told:
+            layout.prop(numbers, "sun_elevation")
         layout.prop(numbers, "camera")
         layout.prop(numbers, "white_balanced")
         if numbers.white_balanced:

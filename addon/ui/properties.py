@@ -256,6 +256,21 @@ class SkylightNumbers(bpy.types.PropertyGroup):
         get=lambda self: _stored(self.id_data).get("camera") or "",
         set=lambda self, value: _store(self.id_data, camera=value.strip() or None),
     )
+    sun_told: bpy.props.BoolProperty(
+        name="Tell Sun's Elevation",
+        description="Where the HDRI does not show the sun: a low sun's sky has another spectrum, "
+        "and by day is what is expected",
+        get=lambda self: _stored(self.id_data).get("sun_elevation") is not None,
+        set=lambda self, value: _store(self.id_data, sun_elevation=30.0 if value else None),
+    )
+    sun_elevation: bpy.props.FloatProperty(
+        name="Elevation (Degrees)",
+        description="How high the sun stands over the horizon; negative after sunset",
+        min=-6.0,
+        max=90.0,
+        get=lambda self: _stored(self.id_data).get("sun_elevation") or 0.0,
+        set=lambda self, value: _store(self.id_data, sun_elevation=float(value)),
+    )
     white_balanced: bpy.props.BoolProperty(
         name="White-Balanced",
         description="Whether the HDRI was white-balanced: the matrices must undo it, or nearly "

@@ -121,7 +121,7 @@ def sentences(found: dict[str, Any]) -> list[str]:
         rgb, spectral = found["rgb_delta_E"], found["matrix_delta_E"]
         lines = [f"RGB is off by ΔE {rgb:.1f}, spectral by {spectral:.1f}"]
         if "bound" in found:
-            lines.append(f"{found['model']} model, ΔE at most {found['bound']:.1f}")
+            lines.append(f"at most {found['bound']:.1f}; ΔE 1 is just noticeable")
     if found["out_of_gamut"]:
         lines.append("out of gamut: Blender clamps it")
     return lines

@@ -134,7 +134,7 @@ def test_the_table_of_all(applied, monkeypatch):
 
 
 def test_sky_numbers(applied):
-    shown = ["basis", "camera", "white_balanced"]
+    shown = ["basis", "sun_told", "camera", "white_balanced"]
     assert drawn(panels.SKYLIGHT_PT_numbers).properties == shown
     applied.world.skylight.white_balanced = True
     assert "white" in drawn(panels.SKYLIGHT_PT_numbers).properties
