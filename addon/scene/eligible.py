@@ -21,12 +21,22 @@ THROUGH = {"BSDF_TRANSPARENT"}
 
 
 def materials_of(scene: bpy.types.Scene) -> list[bpy.types.Material]:
-    """The materials that a scene shows, in slots of its objects and of what these instance."""
+    """The materials that a scene shows: of its objects and of what these instance, each once.
+
+    Only of the active scene is known what modifiers make.
+    """
     objects = list(scene.objects)
     for obj in scene.objects:
         if obj.instance_type == "COLLECTION" and obj.instance_collection is not None:
             objects += obj.instance_collection.all_objects
-    return materials.materials_of(objects)
+    made = set()
+    if scene == bpy.context.scene:
+        for each in bpy.context.evaluated_depsgraph_get().object_instances:
+            data, slots = each.object.data, each.object.material_slots
+            used = [*getattr(data, "materials", ()), *(slot.material for slot in slots)]
+            made.update(material.original for material in used if material is not None)
+    by_name = sorted(made, key=lambda material: material.name_full)
+    return list(dict.fromkeys([*materials.materials_of(objects), *by_name]))
 
 
 def reason(material: bpy.types.Material) -> str:

@@ -126,3 +126,23 @@ def test_materials_inside_instanced_collections_are_the_scenes():
     instance.instance_type, instance.instance_collection = "COLLECTION", forest
     scene.collection.objects.link(instance)
     assert eligible.materials_of(scene) == [mesh.materials[0]]
+
+
+def test_materials_that_geometry_nodes_set_are_the_scenes():
+    scene = bpy.context.scene
+    tree = bpy.data.node_groups.new("Paint", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    start, paint, end = (
+        tree.nodes.new(kind)
+        for kind in ("NodeGroupInput", "GeometryNodeSetMaterial", "NodeGroupOutput")
+    )
+    paint.inputs["Material"].default_value = material("BsdfDiffuse")
+    tree.links.new(start.outputs[0], paint.inputs["Geometry"])
+    tree.links.new(paint.outputs[0], end.inputs[0])
+    mesh = bpy.data.meshes.new("Wall")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])
+    wall = bpy.data.objects.new("Wall", mesh)
+    wall.modifiers.new("Paint", "NODES").node_group = tree
+    scene.collection.objects.link(wall)
+    assert eligible.materials_of(scene) == [paint.inputs["Material"].default_value]
