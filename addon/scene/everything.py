@@ -54,10 +54,11 @@ def make(
             left.append((material.name, what))
         else:
             wanted[material] = what
-    world = spectral.develop(scene, settings)
-    _, results = yield from spectral.making_spectral(
-        world, settings=settings, **given.apart(wanted)
-    )
+    results = []
+    if wanted:
+        world = spectral.develop(scene, settings)
+        told = given.apart(wanted)
+        _, results = yield from spectral.making_spectral(world, settings=settings, **told)
     scene[LEFT] = json.dumps(left)
     return Everything(results, left)
 

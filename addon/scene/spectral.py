@@ -136,19 +136,14 @@ def making_spectral(
     if settings.tolerance is not None and bpy.context.scene.world == world:
         hidden = openness.hidden_share(bpy.context.scene, list(reflectances))
         model += "" if hidden is None else f"; {visibility_line(hidden, settings.tolerance)}"
-    if not reflectances and not materials.managed_materials(world):
-        yield Progress(0.0, "the sky")  # of which glass alone needs no lamps
-        for material, pane in (glazings or {}).items():
-            optics.glaze(material, *pane)
-        optics.refresh(lights.scenes_of(world), light, choice.transfer)
-        return light, []
     given = {material: rho for material, (_, rho) in reflectances.items()}
     found = surrounding_lights.find(world, light, choice.transfer, settings, given)
     yield Progress(0.0, "the sky")
     before.show(False)
     sun = surrounding_lights.towards_sun(world, light, settings)
     store(world, _plain(settings))
-    lights.install(world, found)
+    if reflectances or materials.managed_materials(world):
+        lights.install(world, found)  # glass alone needs no lamps
     description = {
         **light.report(),
         "caption": found.caption,

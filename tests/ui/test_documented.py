@@ -10,8 +10,6 @@ bpy = pytest.importorskip("bpy")
 from spectral_skylight.addon import registration  # noqa: E402
 from spectral_skylight.addon.ui import menu  # noqa: E402
 
-pytestmark = pytest.mark.blender
-
 UI = Path(__file__).resolve().parents[2] / "addon" / "ui"
 TEXT = (UI / "README.md").read_text(encoding="utf-8")
 WITHOUT_A_MENU = {"add_folder", "remove_folder", "copy_command", "drop_reflectance"}

@@ -10,8 +10,6 @@ from spectral_skylight.addon.errors import InputError  # noqa: E402
 from spectral_skylight.addon.scene.bake import Progress  # noqa: E402
 from spectral_skylight.addon.ui import operator  # noqa: E402
 
-pytestmark = pytest.mark.blender
-
 
 class Window:
     """What an operator sees of a window: it notes what it is told."""
