@@ -17,6 +17,8 @@ from spectral_skylight.tests import faces  # noqa: E402
 
 pytestmark = pytest.mark.blender
 
+newest = pytest.mark.skipif(bpy.app.version < (5, 2, 0), reason="once is enough: in 5.2")
+
 SETTINGS = Settings(basis="rayleigh", gloss=True)
 BRICK = ("brick", np.interp(WAVELENGTHS, [400, 560, 620, 700], [0.06, 0.1, 0.4, 0.55]))
 
@@ -165,6 +167,7 @@ def test_linked_and_overridden_materials_are_skipped(library, tmp_path):
     update(scene)
 
 
+@newest
 def test_a_linked_object_with_a_material_of_this_file(library, tmp_path):
     scene = house(tmp_path, 2)
     obj = take(library, True, objects=["Wall"])
@@ -179,6 +182,7 @@ def test_a_linked_object_with_a_material_of_this_file(library, tmp_path):
     assert not materials.is_managed(own)
 
 
+@newest
 def test_made_local_it_is_this_files_own(library, tmp_path):
     scene = house(tmp_path, 2)
     obj = take(library, True, objects=["Wall"])
