@@ -111,11 +111,9 @@ def look_of(material: bpy.types.Material) -> look.Look:
     outputs = outputs_of(material)
     if not outputs:
         return look.Look(None, rgb=owned.viewport_colour(material)[:3])
-    first, *others = (source_before(material.node_tree, output) for output in outputs)
-    found = look.read(first)
-    own = [
-        o.target.title() for o, shader in zip(outputs[1:], others, strict=True) if shader != first
-    ]
+    shaders = [source_before(material.node_tree, output) for output in outputs]
+    found = look.read(shaders[0])
+    own = [o.target.title() for o, s in zip(outputs, shaders, strict=True) if s != shaders[0]]
     return replace(found, left_out=(*found.left_out, *(f"what {name} alone shows" for name in own)))
 
 
@@ -223,10 +221,7 @@ def managed(material: bpy.types.Material) -> Managed | None:
 
 
 def kept(material: bpy.types.Material) -> tuple[str, NDArray[np.float64]]:
-    """Return the reflectance that a managed material was given: its name and values (81,).
-
-    Raises InputError for a material that is not managed.
-    """
+    """Return a managed material's reflectance, name and values (81,); InputError for another."""
     record = managed(material)
     if record is None:
         raise InputError(f'material "{material.name}"', "has no reflectance yet", "apply one first")
