@@ -43,8 +43,7 @@ def missing() -> str:
             "in a terminal"
         )
     return (
-        f"{' and '.join(names)} missing: {cure}, then restart Blender; "
-        "finished files render without"
+        f"{', '.join(names)} missing: {cure}, then restart Blender; finished files render without"
     )
 
 
