@@ -77,7 +77,7 @@ def test_the_add_on_is_in_each_and_tests_are_in_none():
             names = files.namelist()
         assert {"__init__.py", "README.md", "LICENSE", "addon/registration.py"} <= {*names}
         tops = {name.partition("/")[0] for name in names}
-        assert not tops & {"tests", "examples", "release", "uv.lock", "pyproject.toml", ".ci"}
+        assert not tops & {"tests", "examples", "uv.lock", "pyproject.toml", ".ci"}
 
 
 @pytest.fixture(scope="module")

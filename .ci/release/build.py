@@ -21,7 +21,7 @@ MANIFEST = "blender_manifest.toml"
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(prog="sh release/run", description=__doc__)
+    parser = argparse.ArgumentParser(prog="sh .ci/release/run", description=__doc__)
     parser.add_argument("--uncommitted", action="store_true", help="as the tracked files are now")
     parser.add_argument("--only", choices=[p.name for p in PLATFORMS], help="one platform's zips")
     options = parser.parse_args()
