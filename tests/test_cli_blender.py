@@ -12,7 +12,7 @@ from spectral_skylight.addon import cli  # noqa: E402
 from spectral_skylight.addon.scene import files, materials  # noqa: E402
 from spectral_skylight.addon.sky.panorama import directions, write_panorama  # noqa: E402
 
-pytestmark = [pytest.mark.blender, pytest.mark.slow]
+pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]
 
 SIZE = 24
 

@@ -6,7 +6,6 @@ import argparse
 import importlib.util
 import io
 import json
-import shutil
 import subprocess
 import sys
 import tarfile
@@ -33,7 +32,7 @@ def main() -> int:
     stash = ("-c", "user.name=nobody", "-c", "user.email=nobody@localhost", "stash", "create")
     commit = (git(*stash) if options.uncommitted else "") or "HEAD"
     DIST.mkdir(exist_ok=True)
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(dir=DIST) as folder:
         for platform in PLATFORMS:
             if options.only in (None, platform.name):
                 build(commit, platform, Path(folder))
@@ -58,7 +57,7 @@ def build(commit: str, platform: Platform | None, folder: Path) -> None:
     part = folder / target.name
     blender_ext("build", "--source-dir", source, "--output-filepath", part)
     blender_ext("validate", part)
-    shutil.move(part, target)  # dist/ holds what was judged good
+    part.replace(target)  # dist/ holds what was judged good, whole
     print(f"{target.relative_to(ROOT)}  {target.stat().st_size / 1e6:.1f} MB")
 
 

@@ -10,7 +10,7 @@ pytest.importorskip("bpy")
 
 from spectral_skylight.addon.scene import rays, visibility
 
-pytestmark = [pytest.mark.blender, pytest.mark.slow]
+pytestmark = pytest.mark.slow
 
 VERTICES = 100_000
 SAMPLE = 4_000  # vertices that are timed: the rest takes as long again

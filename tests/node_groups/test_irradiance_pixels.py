@@ -15,7 +15,7 @@ from spectral_skylight.addon.sky.polynomial import evaluate_polynomial  # noqa: 
 from spectral_skylight.addon.sky.sun import separate_sun  # noqa: E402
 from spectral_skylight.tests import faces  # noqa: E402
 
-pytestmark = [pytest.mark.blender, pytest.mark.slow]
+pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]
 
 NORMALS = faces.directions(1000, seed=4)
 # Rows with negative entries and every entry different: no transposed or mixed-up row passes.

@@ -13,7 +13,7 @@ from spectral_skylight.addon.scene import render as renders
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 from spectral_skylight.addon.spectra.reflectance import reflectance_hash
 
-pytestmark = [pytest.mark.blender, pytest.mark.slow]
+pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]
 
 TURN = 0.9
 """The World's Mapping turns by this [rad]."""
