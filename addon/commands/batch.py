@@ -94,7 +94,7 @@ def _run(options: argparse.Namespace) -> None:
 
     if options.scheduler is None:
         blender_command(options.blender)
-    out, path, outcome, state = _folder(options.study), None, None, "stopped"
+    out, path, outcome, state = _folder(options.study), None, None, "failed"
     with locked(out), progress.Progress(out) as shown, _ended_gently():
         try:
             path = _ready(options, shown)
@@ -105,6 +105,9 @@ def _run(options: argparse.Namespace) -> None:
             with _pool(options, path) as (pool, together, count):
                 outcome = run.run(path, pool, shown.tell, together, count)
             state = "done" if outcome.complete else "failed"
+        except KeyboardInterrupt:
+            state = "stopped"
+            raise
         finally:
             shown.end(state, outcome)
             if path is not None and not options.dry_run:
