@@ -17,7 +17,7 @@ from typing import Any
 from ..errors import InputError
 from ..scene.picture_file import part_of
 from .file_names import file_names
-from .scenes import SceneFile, look_into, program_hash
+from .scenes import SceneFile
 from .study import Sky, Study, Variant, content_hash
 from .task import Task, copy_scripts, task_of
 
@@ -83,16 +83,11 @@ def tasks(study: Study, scenes: tuple[SceneFile, ...], program: str) -> Iterator
                 index += 1
 
 
-def make_plan(study: Study) -> Path:
-    """Check a study's scenes, write its plan and the script beside it; return the plan's path.
-
-    The plan is replaced as a whole, or stays as it was. Raises `InputError` as `look_into` does.
-    """
-    return write_plan(study, look_into(study), program_hash())
-
-
 def write_plan(study: Study, scenes: tuple[SceneFile, ...], program: str) -> Path:
-    """Write the plan of a study whose scenes are known."""
+    """Write the plan of a study whose scenes are known, and the script beside it; return its path.
+
+    The plan is replaced as a whole, or stays as it was. Raises `InputError` where it cannot be.
+    """
     header = {
         "format": FORMAT,
         "version": VERSION,
