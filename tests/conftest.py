@@ -6,7 +6,28 @@ from pathlib import Path
 
 import pytest
 
+OPTIONAL = {"bpy", "dask", "distributed", "matplotlib", "psutil", "pvlib", "quickjs"}
+"""What the numbers alone do without."""
+
 _exit_status = 0
+
+
+class Module(pytest.Module):
+    """A file of tests, skipped as a whole where something optional that it imports is missing."""
+
+    def collect(self):
+        try:
+            return super().collect()
+        except self.CollectError as error:
+            cause = error.__cause__
+            if isinstance(cause, ModuleNotFoundError) and cause.name in OPTIONAL:
+                pytest.skip(f"{cause.name} is not installed", allow_module_level=True)
+            raise
+
+
+def pytest_pycollect_makemodule(module_path, parent):
+    """Make the modules of this folder such ones."""
+    return Module.from_parent(parent, path=module_path)
 
 
 def pytest_sessionfinish(exitstatus):

@@ -3,14 +3,13 @@
 import subprocess
 import sys
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy", reason="bpy is not installed")
-
-from spectral_skylight.addon import cli  # noqa: E402
-from spectral_skylight.addon.scene import files, materials  # noqa: E402
-from spectral_skylight.addon.sky.panorama import directions, write_panorama  # noqa: E402
+from spectral_skylight.addon import cli
+from spectral_skylight.addon.scene import files, materials
+from spectral_skylight.addon.sky.panorama import directions, write_panorama
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]
 

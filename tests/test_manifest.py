@@ -8,9 +8,8 @@ import zipfile
 from importlib import metadata
 from pathlib import Path
 
+import bpy
 import pytest
-
-bpy = pytest.importorskip("bpy")
 
 pytestmark = pytest.mark.blender
 

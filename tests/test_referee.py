@@ -6,8 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-pytest.importorskip("bpy", reason="bpy is not installed")
-
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "examples"))
 
 import bands

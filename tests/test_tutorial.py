@@ -1,14 +1,13 @@
 """The tutorial by its scripts: each step runs, and the panels then say what it promises."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-import spectral_skylight  # noqa: E402
-from spectral_skylight.addon.scene import materials  # noqa: E402
-from spectral_skylight.tests.ui import stage  # noqa: E402
-from spectral_skylight.tests.window import tutorial  # noqa: E402
+import spectral_skylight
+from spectral_skylight.addon.scene import materials
+from spectral_skylight.tests.ui import stage
+from spectral_skylight.tests.window import tutorial
 
 pytestmark = pytest.mark.blender
 

@@ -10,16 +10,15 @@ import subprocess
 import sys
 import time
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy", reason="bpy is not installed")
-
-from spectral_skylight.addon import cli  # noqa: E402
-from spectral_skylight.addon.batch import plan  # noqa: E402
-from spectral_skylight.addon.scene import picture_file, render_task, world_pixels  # noqa: E402
-from spectral_skylight.addon.scene import world as worlds  # noqa: E402
-from spectral_skylight.tests.batch.studies import (  # noqa: E402
+from spectral_skylight.addon import cli
+from spectral_skylight.addon.batch import plan
+from spectral_skylight.addon.scene import picture_file, render_task, world_pixels
+from spectral_skylight.addon.scene import world as worlds
+from spectral_skylight.tests.batch.studies import (
     NOON,
     write_inputs,
     write_scene,

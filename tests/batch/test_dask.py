@@ -8,17 +8,16 @@ import sys
 import threading
 import time
 
+import bpy
+import distributed
+import psutil
 import pytest
 
-bpy = pytest.importorskip("bpy")
-psutil = pytest.importorskip("psutil")
-distributed = pytest.importorskip("distributed")
-
-from spectral_skylight.addon.batch import dask_farm  # noqa: E402
-from spectral_skylight.addon.cli import main  # noqa: E402
-from spectral_skylight.addon.errors import InputError  # noqa: E402
-from spectral_skylight.tests.batch.dask_cluster import Cluster  # noqa: E402
-from spectral_skylight.tests.batch.small_plan import copy_plan, files, small_plan  # noqa: E402
+from spectral_skylight.addon.batch import dask_farm
+from spectral_skylight.addon.cli import main
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.tests.batch.dask_cluster import Cluster
+from spectral_skylight.tests.batch.small_plan import copy_plan, files, small_plan
 
 pytestmark = [
     pytest.mark.blender,

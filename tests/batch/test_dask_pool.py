@@ -6,8 +6,6 @@ import time
 
 import pytest
 
-pytest.importorskip("distributed")
-
 from spectral_skylight.addon.batch import dask_farm
 from spectral_skylight.addon.batch.plan import read_tasks
 from spectral_skylight.tests.batch.dask_cluster import (
@@ -15,6 +13,8 @@ from spectral_skylight.tests.batch.dask_cluster import (
     instant_blender,
     instant_plan,
 )
+
+pytest.importorskip("distributed")
 
 pytestmark = [
     pytest.mark.slow,

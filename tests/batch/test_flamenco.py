@@ -1,13 +1,12 @@
 """The job type for Flamenco: run in a JavaScript engine, as the Manager does."""
 
 import pytest
+import quickjs
 
-quickjs = pytest.importorskip("quickjs")
-
-from spectral_skylight.addon.batch.dispatch import chunks  # noqa: E402
-from spectral_skylight.addon.batch.flamenco.submit import picture_ranges  # noqa: E402
-from spectral_skylight.tests.batch import flamenco_manager as manager  # noqa: E402
-from spectral_skylight.tests.benchmarks.virtual_farm import Picture  # noqa: E402
+from spectral_skylight.addon.batch.dispatch import chunks
+from spectral_skylight.addon.batch.flamenco.submit import picture_ranges
+from spectral_skylight.tests.batch import flamenco_manager as manager
+from spectral_skylight.tests.benchmarks.virtual_farm import Picture
 
 PLAN = "/farm/house/plan.jsonl"
 

@@ -15,8 +15,6 @@ from pathlib import Path
 
 import pytest
 
-pytest.importorskip("bpy")
-
 from spectral_skylight.addon.batch.flamenco import submit
 from spectral_skylight.tests.batch.small_plan import copy_plan, files, small_plan
 

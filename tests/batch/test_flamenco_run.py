@@ -11,17 +11,14 @@ import sys
 import threading
 from contextlib import contextmanager
 
+import psutil
 import pytest
 
-pytest.importorskip("bpy")
-psutil = pytest.importorskip("psutil")
-pytest.importorskip("quickjs")
-
-from spectral_skylight.addon.batch.flamenco import submit  # noqa: E402
-from spectral_skylight.addon.cli import main  # noqa: E402
-from spectral_skylight.addon.errors import InputError  # noqa: E402
-from spectral_skylight.tests.batch import flamenco_manager as manager  # noqa: E402
-from spectral_skylight.tests.batch.small_plan import copy_plan, files, small_plan  # noqa: E402
+from spectral_skylight.addon.batch.flamenco import submit
+from spectral_skylight.addon.cli import main
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.tests.batch import flamenco_manager as manager
+from spectral_skylight.tests.batch.small_plan import copy_plan, files, small_plan
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 

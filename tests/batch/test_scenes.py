@@ -1,13 +1,12 @@
 """What a study asks of its blend files is looked up before the night."""
 
+import bpy
 import pytest
 
-bpy = pytest.importorskip("bpy", reason="bpy is not installed")
-
-from spectral_skylight.addon.batch.scenes import look_into  # noqa: E402
-from spectral_skylight.addon.batch.study import read_study  # noqa: E402
-from spectral_skylight.addon.errors import InputError  # noqa: E402
-from spectral_skylight.tests.batch.studies import (  # noqa: E402
+from spectral_skylight.addon.batch.scenes import look_into
+from spectral_skylight.addon.batch.study import read_study
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.tests.batch.studies import (
     write_inputs,
     write_scene,
     write_study,

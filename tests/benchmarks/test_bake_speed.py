@@ -6,8 +6,6 @@ By Blender's own caster 160, which are 314 where all points see an edge of the s
 import numpy as np
 import pytest
 
-pytest.importorskip("bpy")
-
 from spectral_skylight.addon.scene import rays, visibility
 
 pytestmark = pytest.mark.slow

@@ -8,10 +8,8 @@ import os
 import time
 import tracemalloc
 
-import pytest
-
-pytest.importorskip("distributed")
 import dask
+import pytest
 
 from spectral_skylight.addon.batch import dask_farm, run
 from spectral_skylight.tests.batch.dask_cluster import (
@@ -19,6 +17,8 @@ from spectral_skylight.tests.batch.dask_cluster import (
     instant_blender,
     instant_plan,
 )
+
+pytest.importorskip("distributed")
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="the stand-in for Blender is a script")
 

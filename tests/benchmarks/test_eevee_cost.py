@@ -3,11 +3,10 @@
 `pytest tests/benchmarks/test_eevee_cost.py --benchmark-enable -s` prints the ratios.
 """
 
+import bpy
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import cost  # noqa: E402
+from spectral_skylight.addon.scene import cost
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 

@@ -4,15 +4,14 @@ import os
 import subprocess
 import sys
 
+import bpy
 import numpy as np
 import pytest
+from mathutils import Euler
 
-bpy = pytest.importorskip("bpy")
-from mathutils import Euler  # noqa: E402
-
-from spectral_skylight.addon.scene import materials, sky_light  # noqa: E402
-from spectral_skylight.addon.sky.polynomial import evaluate_polynomial  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.addon.scene import materials, sky_light
+from spectral_skylight.addon.sky.polynomial import evaluate_polynomial
+from spectral_skylight.tests import faces
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 

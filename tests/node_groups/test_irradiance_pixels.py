@@ -1,19 +1,18 @@
 """The node groups show the polynomial times the matrix: in Eevee, in Cycles, for real skies."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import materials, sky_light  # noqa: E402
-from spectral_skylight.addon.sky.irradiance import (  # noqa: E402
+from spectral_skylight.addon.scene import materials, sky_light
+from spectral_skylight.addon.sky.irradiance import (
     exact_irradiance,
     fit_coefficients,
 )
-from spectral_skylight.addon.sky.panorama import read_panorama  # noqa: E402
-from spectral_skylight.addon.sky.polynomial import evaluate_polynomial  # noqa: E402
-from spectral_skylight.addon.sky.sun import separate_sun  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.addon.sky.panorama import read_panorama
+from spectral_skylight.addon.sky.polynomial import evaluate_polynomial
+from spectral_skylight.addon.sky.sun import separate_sun
+from spectral_skylight.tests import faces
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]
 

@@ -1,14 +1,13 @@
 """Gloss over a base loses and makes no light; textures and panes show what their numbers say."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import nodes  # noqa: E402
-from spectral_skylight.node_groups import glazing, gloss, spectral_texture  # noqa: E402
-from spectral_skylight.node_groups import tree as groups  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.addon.scene import nodes
+from spectral_skylight.node_groups import glazing, gloss, spectral_texture
+from spectral_skylight.node_groups import tree as groups
+from spectral_skylight.tests import faces
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 

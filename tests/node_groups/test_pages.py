@@ -5,12 +5,11 @@ import importlib
 import re
 from pathlib import Path
 
+import bpy
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.node_groups import gloss, sky_irradiance, skylight_surface  # noqa: E402
-from spectral_skylight.node_groups import tree as groups  # noqa: E402
+from spectral_skylight.node_groups import gloss, sky_irradiance, skylight_surface
+from spectral_skylight.node_groups import tree as groups
 
 pytestmark = pytest.mark.blender
 

@@ -2,17 +2,15 @@
 
 import math
 
+import bpy
+import mathutils
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-import mathutils  # noqa: E402
-
-from spectral_skylight.addon.sky.harmonics import KEYS, rotate  # noqa: E402
-from spectral_skylight.node_groups import sky_visibility  # noqa: E402
-from spectral_skylight.node_groups import tree as groups  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.addon.sky.harmonics import KEYS, rotate
+from spectral_skylight.node_groups import sky_visibility
+from spectral_skylight.node_groups import tree as groups
+from spectral_skylight.tests import faces
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 

@@ -5,28 +5,27 @@ Baked light is compared with what Cycles puts on a white diffuse face, or with n
 
 import math
 
+import bpy
 import numpy as np
 import OpenEXR
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.errors import InputError  # noqa: E402
-from spectral_skylight.addon.scene import (  # noqa: E402
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.scene import (
     nodes,
     sky_texture,
     spectral,
     world_bake,
     world_pixels,
 )
-from spectral_skylight.addon.scene import world as worlds  # noqa: E402
-from spectral_skylight.addon.scene.settings import Settings, stored  # noqa: E402
-from spectral_skylight.addon.sky.irradiance import exact_irradiance  # noqa: E402
-from spectral_skylight.addon.sky.light import FACES  # noqa: E402
-from spectral_skylight.addon.sky.panorama import directions, write_panorama  # noqa: E402
-from spectral_skylight.addon.sky.polynomial import evaluate_polynomial  # noqa: E402
-from spectral_skylight.addon.spectra.sensitivities import observer  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.addon.scene import world as worlds
+from spectral_skylight.addon.scene.settings import Settings, stored
+from spectral_skylight.addon.sky.irradiance import exact_irradiance
+from spectral_skylight.addon.sky.light import FACES
+from spectral_skylight.addon.sky.panorama import directions, write_panorama
+from spectral_skylight.addon.sky.polynomial import evaluate_polynomial
+from spectral_skylight.addon.spectra.sensitivities import observer
+from spectral_skylight.tests import faces
 
 pytestmark = pytest.mark.blender
 

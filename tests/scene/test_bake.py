@@ -2,16 +2,15 @@
 
 import json
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import bake, bake_mesh  # noqa: E402
-from spectral_skylight.node_groups import sky_bake  # noqa: E402
-from spectral_skylight.node_groups import tree as groups  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
-from spectral_skylight.tests.buildings import (  # noqa: E402
+from spectral_skylight.addon.scene import bake, bake_mesh
+from spectral_skylight.node_groups import sky_bake
+from spectral_skylight.node_groups import tree as groups
+from spectral_skylight.tests import faces
+from spectral_skylight.tests.buildings import (
     as_bytes,
     box,
     flags,

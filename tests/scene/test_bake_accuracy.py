@@ -5,16 +5,15 @@ In one Blender: what another casts and adds up is the same numpy.
 
 import math
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import bake, bake_mesh  # noqa: E402
-from spectral_skylight.addon.sky.harmonics import KEYS, fit_sky, rotate  # noqa: E402
-from spectral_skylight.node_groups import sky_visibility  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
-from spectral_skylight.tests.buildings import box, colours, ground, material  # noqa: E402
+from spectral_skylight.addon.scene import bake, bake_mesh
+from spectral_skylight.addon.sky.harmonics import KEYS, fit_sky, rotate
+from spectral_skylight.node_groups import sky_visibility
+from spectral_skylight.tests import faces
+from spectral_skylight.tests.buildings import box, colours, ground, material
 
 pytestmark = pytest.mark.slow
 

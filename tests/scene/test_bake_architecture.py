@@ -1,18 +1,17 @@
 """Ordinary architecture is baked: whatever shows a managed material."""
 
+import bpy
 import numpy as np
 import OpenEXR
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import bake, bake_mesh, instances, spectral  # noqa: E402
-from spectral_skylight.addon.scene import render as renders  # noqa: E402
-from spectral_skylight.addon.sky.panorama import write_panorama  # noqa: E402
-from spectral_skylight.node_groups import sky_visibility  # noqa: E402
-from spectral_skylight.node_groups import tree as groups  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
-from spectral_skylight.tests.buildings import (  # noqa: E402
+from spectral_skylight.addon.scene import bake, bake_mesh, instances, spectral
+from spectral_skylight.addon.scene import render as renders
+from spectral_skylight.addon.sky.panorama import write_panorama
+from spectral_skylight.node_groups import sky_visibility
+from spectral_skylight.node_groups import tree as groups
+from spectral_skylight.tests import faces
+from spectral_skylight.tests.buildings import (
     as_bytes,
     box,
     colours,

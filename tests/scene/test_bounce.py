@@ -1,13 +1,12 @@
 """One bounce against the light of a wall summed up over its area."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import bake, bake_mesh, bounce, nodes  # noqa: E402
-from spectral_skylight.node_groups import modifiers, sky_visibility  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.addon.scene import bake, bake_mesh, bounce, nodes
+from spectral_skylight.node_groups import modifiers, sky_visibility
+from spectral_skylight.tests import faces
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 

@@ -1,10 +1,9 @@
 """What one click leaves alone, and why: every kind of shader that has no diffuse reflectance."""
 
+import bpy
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import eligible  # noqa: E402
+from spectral_skylight.addon.scene import eligible
 
 pytestmark = pytest.mark.blender
 

@@ -1,15 +1,14 @@
 """What an old shader looked like is taken over by our nodes, and taking those away leaves it."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import look, materials, nodes, sky_light  # noqa: E402
-from spectral_skylight.node_groups import gloss, spectral_texture  # noqa: E402
-from spectral_skylight.node_groups import tree as groups  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
-from spectral_skylight.tests.scene.test_materials import dump  # noqa: E402
+from spectral_skylight.addon.scene import look, materials, nodes, sky_light
+from spectral_skylight.node_groups import gloss, spectral_texture
+from spectral_skylight.node_groups import tree as groups
+from spectral_skylight.tests import faces
+from spectral_skylight.tests.scene.test_materials import dump
 
 pytestmark = pytest.mark.blender
 

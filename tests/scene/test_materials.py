@@ -2,14 +2,13 @@
 
 import contextlib
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.errors import InputError  # noqa: E402
-from spectral_skylight.addon.scene import materials, nodes, sky_light  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.scene import materials, nodes, sky_light
+from spectral_skylight.tests import faces
 
 pytestmark = pytest.mark.blender
 

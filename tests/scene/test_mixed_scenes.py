@@ -7,20 +7,19 @@ wall.
 
 import math
 
+import bpy
 import numpy as np
 import OpenEXR
 import pytest
+from bpy_extras.object_utils import world_to_camera_view
+from mathutils import Vector
 
-bpy = pytest.importorskip("bpy")
-from bpy_extras.object_utils import world_to_camera_view  # noqa: E402
-from mathutils import Vector  # noqa: E402
-
-from spectral_skylight.addon.scene import materials, nodes, render, sky_light  # noqa: E402
-from spectral_skylight.addon.scene import world as worlds  # noqa: E402
-from spectral_skylight.addon.sky.panorama import write_panorama  # noqa: E402
-from spectral_skylight.node_groups import skylight_surface  # noqa: E402
-from spectral_skylight.node_groups import tree as groups  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.addon.scene import materials, nodes, render, sky_light
+from spectral_skylight.addon.scene import world as worlds
+from spectral_skylight.addon.sky.panorama import write_panorama
+from spectral_skylight.node_groups import skylight_surface
+from spectral_skylight.node_groups import tree as groups
+from spectral_skylight.tests import faces
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 

@@ -3,18 +3,17 @@
 import json
 from pathlib import Path
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.errors import InputError  # noqa: E402
-from spectral_skylight.addon.scene import materials, nodes, pictured, spectral  # noqa: E402
-from spectral_skylight.addon.scene.settings import Settings, stored  # noqa: E402
-from spectral_skylight.addon.spectra.reflectance import read_reflectances  # noqa: E402
-from spectral_skylight.node_groups import skylight_surface, spectral_matrix  # noqa: E402
-from spectral_skylight.node_groups import tree as groups  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.scene import materials, nodes, pictured, spectral
+from spectral_skylight.addon.scene.settings import Settings, stored
+from spectral_skylight.addon.spectra.reflectance import read_reflectances
+from spectral_skylight.node_groups import skylight_surface, spectral_matrix
+from spectral_skylight.node_groups import tree as groups
+from spectral_skylight.tests import faces
 
 pytestmark = pytest.mark.blender
 

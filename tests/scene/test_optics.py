@@ -1,11 +1,10 @@
 """Glass and metal: coloured for the sky, taken off without a trace, panes that lamps pass."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import (  # noqa: E402
+from spectral_skylight.addon.scene import (
     look,
     materials,
     nodes,
@@ -14,12 +13,12 @@ from spectral_skylight.addon.scene import (  # noqa: E402
     spectral,
     sun_lamp,
 )
-from spectral_skylight.addon.sky.panorama import directions, write_panorama  # noqa: E402
-from spectral_skylight.addon.spectra.grid import WAVELENGTHS  # noqa: E402
-from spectral_skylight.addon.transfer.metals import tints  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
-from spectral_skylight.tests.scene.test_look import material_with  # noqa: E402
-from spectral_skylight.tests.scene.test_materials import dump  # noqa: E402
+from spectral_skylight.addon.sky.panorama import directions, write_panorama
+from spectral_skylight.addon.spectra.grid import WAVELENGTHS
+from spectral_skylight.addon.transfer.metals import tints
+from spectral_skylight.tests import faces
+from spectral_skylight.tests.scene.test_look import material_with
+from spectral_skylight.tests.scene.test_materials import dump
 
 pytestmark = pytest.mark.blender
 

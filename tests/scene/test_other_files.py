@@ -1,19 +1,18 @@
 """Managed materials from other files and copies of all kinds: linked, appended, overridden."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.errors import InputError  # noqa: E402
-from spectral_skylight.addon.scene import materials, nodes, receivers, spectral, sun_lamp  # noqa: E402
-from spectral_skylight.addon.scene import world as worlds  # noqa: E402
-from spectral_skylight.addon.scene.settings import Settings, stored  # noqa: E402
-from spectral_skylight.addon.sky.panorama import write_panorama  # noqa: E402
-from spectral_skylight.addon.spectra.grid import WAVELENGTHS  # noqa: E402
-from spectral_skylight.node_groups import gloss, skylight_surface  # noqa: E402
-from spectral_skylight.node_groups import tree as groups  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.scene import materials, nodes, receivers, spectral, sun_lamp
+from spectral_skylight.addon.scene import world as worlds
+from spectral_skylight.addon.scene.settings import Settings, stored
+from spectral_skylight.addon.sky.panorama import write_panorama
+from spectral_skylight.addon.spectra.grid import WAVELENGTHS
+from spectral_skylight.node_groups import gloss, skylight_surface
+from spectral_skylight.node_groups import tree as groups
+from spectral_skylight.tests import faces
 
 pytestmark = pytest.mark.blender
 

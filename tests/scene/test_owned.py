@@ -1,10 +1,9 @@
 """What a managed material's settings were comes back."""
 
+import bpy
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import owned  # noqa: E402
+from spectral_skylight.addon.scene import owned
 
 pytestmark = pytest.mark.blender
 

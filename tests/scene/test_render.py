@@ -4,15 +4,14 @@ import os
 import subprocess
 import sys
 
+import bpy
 import numpy as np
 import OpenEXR
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.errors import InputError  # noqa: E402
-from spectral_skylight.addon.scene import materials, render, sky_light  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.scene import materials, render, sky_light
+from spectral_skylight.tests import faces
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 

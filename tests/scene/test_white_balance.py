@@ -1,13 +1,12 @@
 """A World whose sky was balanced: said in the file, and undone where asked for."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy", reason="bpy is not installed")
-
-from spectral_skylight.addon import cli  # noqa: E402
-from spectral_skylight.addon.scene import files, sky_light  # noqa: E402
-from spectral_skylight.addon.sky.panorama import write_panorama  # noqa: E402
+from spectral_skylight.addon import cli
+from spectral_skylight.addon.scene import files, sky_light
+from spectral_skylight.addon.sky.panorama import write_panorama
 
 pytestmark = pytest.mark.blender
 

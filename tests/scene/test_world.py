@@ -2,17 +2,16 @@
 
 from pathlib import Path
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.errors import InputError  # noqa: E402
-from spectral_skylight.addon.scene import working_space, world_pixels  # noqa: E402
-from spectral_skylight.addon.scene import world as worlds  # noqa: E402
-from spectral_skylight.addon.sky.panorama import read_panorama, write_panorama  # noqa: E402
-from spectral_skylight.node_groups import spectral_matrix  # noqa: E402
-from spectral_skylight.tests import faces  # noqa: E402
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.scene import working_space, world_pixels
+from spectral_skylight.addon.scene import world as worlds
+from spectral_skylight.addon.sky.panorama import read_panorama, write_panorama
+from spectral_skylight.node_groups import spectral_matrix
+from spectral_skylight.tests import faces
 
 pytestmark = pytest.mark.blender
 

@@ -3,10 +3,9 @@
 import pytest
 
 from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.sky.sun_position import sun_position
 
 pytest.importorskip("pvlib")
-
-from spectral_skylight.addon.sky.sun_position import sun_position
 
 
 def test_reda_and_andreas_example():

@@ -1,12 +1,11 @@
 """Apply and remove on active, selected and all materials; what fails is one line, no change."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import materials  # noqa: E402
-from spectral_skylight.tests.ui.stage import (  # noqa: E402
+from spectral_skylight.addon.scene import materials
+from spectral_skylight.tests.ui.stage import (
     error_of,
     given,
     links,

@@ -1,11 +1,10 @@
 """The bake's buttons, as a script calls them."""
 
+import bpy
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import bake  # noqa: E402
-from spectral_skylight.node_groups import skylight_surface  # noqa: E402
+from spectral_skylight.addon.scene import bake
+from spectral_skylight.node_groups import skylight_surface
 
 pytestmark = pytest.mark.blender
 

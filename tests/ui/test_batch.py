@@ -3,14 +3,13 @@
 import time
 import tomllib
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.batch.study import read_study  # noqa: E402
-from spectral_skylight.addon.ui import batch  # noqa: E402
-from spectral_skylight.tests.ui import stage  # noqa: E402
+from spectral_skylight.addon.batch.study import read_study
+from spectral_skylight.addon.ui import batch
+from spectral_skylight.tests.ui import stage
 
 
 @pytest.fixture

@@ -1,13 +1,12 @@
 """Glass, metal and what lies behind glass, chosen as in the panel and applied as a reflectance."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import everything, materials, optics  # noqa: E402
-from spectral_skylight.addon.ui import panels  # noqa: E402
-from spectral_skylight.tests.ui.stage import (  # noqa: E402
+from spectral_skylight.addon.scene import everything, materials, optics
+from spectral_skylight.addon.ui import panels
+from spectral_skylight.tests.ui.stage import (
     drawn,
     error_of,
     given,

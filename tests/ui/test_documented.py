@@ -3,12 +3,10 @@
 import re
 from pathlib import Path
 
-import pytest
+import bpy
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon import registration  # noqa: E402
-from spectral_skylight.addon.ui import menu  # noqa: E402
+from spectral_skylight.addon import registration
+from spectral_skylight.addon.ui import menu
 
 UI = Path(__file__).resolve().parents[2] / "addon" / "ui"
 TEXT = (UI / "README.md").read_text(encoding="utf-8")

@@ -2,13 +2,12 @@
 
 import json
 
+import bpy
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import everything, materials, textures  # noqa: E402
-from spectral_skylight.addon.ui import panels  # noqa: E402
-from spectral_skylight.tests.ui.stage import drawn, given, material  # noqa: E402
+from spectral_skylight.addon.scene import everything, materials, textures
+from spectral_skylight.addon.ui import panels
+from spectral_skylight.tests.ui.stage import drawn, given, material
 
 pytestmark = pytest.mark.blender
 

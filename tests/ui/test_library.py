@@ -2,16 +2,15 @@
 
 import json
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import materials, pick  # noqa: E402
-from spectral_skylight.addon.spectra import formats  # noqa: E402
-from spectral_skylight.addon.ui import choose_reflectance, drop, library, preferences, shelf  # noqa: E402
-from spectral_skylight.tests.ui import stage  # noqa: E402
-from spectral_skylight.tests.ui.stage import drawn, error_of, given, material  # noqa: E402
+from spectral_skylight.addon.scene import materials, pick
+from spectral_skylight.addon.spectra import formats
+from spectral_skylight.addon.ui import choose_reflectance, drop, library, preferences, shelf
+from spectral_skylight.tests.ui import stage
+from spectral_skylight.tests.ui.stage import drawn, error_of, given, material
 
 pytestmark = pytest.mark.blender
 

@@ -4,11 +4,9 @@ from types import SimpleNamespace
 
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.errors import InputError  # noqa: E402
-from spectral_skylight.addon.scene.bake import Progress  # noqa: E402
-from spectral_skylight.addon.ui import operator  # noqa: E402
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.scene.bake import Progress
+from spectral_skylight.addon.ui import operator
 
 
 class Window:

@@ -1,12 +1,11 @@
 """The menu that Blender's search goes through holds all that the panels' buttons do."""
 
+import bpy
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon import registration  # noqa: E402
-from spectral_skylight.addon.ui import menu  # noqa: E402
-from spectral_skylight.tests.ui import stage  # noqa: E402
+from spectral_skylight.addon import registration
+from spectral_skylight.addon.ui import menu
+from spectral_skylight.tests.ui import stage
 
 pytestmark = pytest.mark.blender
 

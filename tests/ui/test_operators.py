@@ -2,14 +2,13 @@
 
 import re
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import materials, settings, sky_light  # noqa: E402
-from spectral_skylight.addon.ui import properties  # noqa: E402
-from spectral_skylight.tests.ui.stage import (  # noqa: E402
+from spectral_skylight.addon.scene import materials, settings, sky_light
+from spectral_skylight.addon.ui import properties
+from spectral_skylight.tests.ui.stage import (
     error_of,
     given,
     material,

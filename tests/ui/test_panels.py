@@ -4,13 +4,12 @@ import importlib.util
 import json
 import pathlib
 
+import bpy
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import materials, nodes  # noqa: E402
-from spectral_skylight.addon.ui import material_panel, panels, result, wheels  # noqa: E402
-from spectral_skylight.tests.ui.stage import drawn, select  # noqa: E402
+from spectral_skylight.addon.scene import materials, nodes
+from spectral_skylight.addon.ui import material_panel, panels, result, wheels
+from spectral_skylight.tests.ui.stage import drawn, select
 
 pytestmark = pytest.mark.blender
 

@@ -1,15 +1,14 @@
 """Pictures in panels: asked for while drawing, made after it, kept by what they show."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon import cli  # noqa: E402
-from spectral_skylight.addon.scene import before, files, materials, pictured  # noqa: E402
-from spectral_skylight.addon.ui import gallery, pictures  # noqa: E402
-from spectral_skylight.tests.pictures.reading import read_png  # noqa: E402
-from spectral_skylight.tests.ui.stage import drawn, material, write_sky  # noqa: E402
+from spectral_skylight.addon import cli
+from spectral_skylight.addon.scene import before, files, materials, pictured
+from spectral_skylight.addon.ui import gallery, pictures
+from spectral_skylight.tests.pictures.reading import read_png
+from spectral_skylight.tests.ui.stage import drawn, material, write_sky
 
 pytestmark = pytest.mark.blender
 

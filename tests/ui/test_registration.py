@@ -3,12 +3,11 @@
 import subprocess
 import sys
 
+import bpy
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-import spectral_skylight  # noqa: E402
-from spectral_skylight.addon import registration  # noqa: E402
+import spectral_skylight
+from spectral_skylight.addon import registration
 
 pytestmark = pytest.mark.blender
 

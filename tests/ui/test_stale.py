@@ -1,12 +1,11 @@
 """What has changed since is noticed and listed: base colours, textures, files, bakes."""
 
+import bpy
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import stale  # noqa: E402
-from spectral_skylight.addon.ui import panels, watch  # noqa: E402
-from spectral_skylight.tests.ui.stage import drawn, given, material, matrix, select  # noqa: E402
+from spectral_skylight.addon.scene import stale
+from spectral_skylight.addon.ui import panels, watch
+from spectral_skylight.tests.ui.stage import drawn, given, material, matrix, select
 
 pytestmark = pytest.mark.blender
 

@@ -1,12 +1,11 @@
 """A sky without its sun: the panel can tell how high it stood, and materials follow."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.ui import panels, properties  # noqa: E402
-from spectral_skylight.tests.ui import stage  # noqa: E402
+from spectral_skylight.addon.ui import panels, properties
+from spectral_skylight.tests.ui import stage
 
 pytestmark = pytest.mark.blender
 

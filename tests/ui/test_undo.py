@@ -1,11 +1,10 @@
 """One Ctrl-Z takes back whatever a button did, and redo does it again: the file's data is equal."""
 
+import bpy
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import nodes, owned, view  # noqa: E402
-from spectral_skylight.tests.ui.stage import material, select, write_sky  # noqa: E402
+from spectral_skylight.addon.scene import nodes, owned, view
+from spectral_skylight.tests.ui.stage import material, select, write_sky
 
 pytestmark = pytest.mark.blender
 

@@ -1,14 +1,13 @@
 """What the viewport shows: shading, RGB × RGB for comparison, and a neutral white."""
 
+import bpy
 import numpy as np
 import pytest
 
-bpy = pytest.importorskip("bpy")
-
-from spectral_skylight.addon.scene import before, look, owned, view  # noqa: E402
-from spectral_skylight.addon.scene.render import render  # noqa: E402
-from spectral_skylight.addon.ui import panels  # noqa: E402
-from spectral_skylight.tests.ui.stage import drawn, material, matrix  # noqa: E402
+from spectral_skylight.addon.scene import before, look, owned, view
+from spectral_skylight.addon.scene.render import render
+from spectral_skylight.addon.ui import panels
+from spectral_skylight.tests.ui.stage import drawn, material, matrix
 
 pytestmark = pytest.mark.blender
 
