@@ -21,7 +21,6 @@ from .ui import (
     choose_reflectance,
     drop,
     everything,
-    gallery,
     library,
     load_sky,
     material_panel,
@@ -29,11 +28,12 @@ from .ui import (
     panels,
     pictures,
     preferences,
+    preview_cache,
     properties,
     remove,
+    staleness_handlers,
     update,
     view,
-    watch,
     wheels,
 )
 
@@ -70,10 +70,10 @@ def register() -> None:
         for cls in CLASSES:
             bpy.utils.register_class(cls)
             _undo.append(partial(bpy.utils.unregister_class, cls))
-        for module in (properties, library, batch, menu, watch):
+        for module in (properties, library, batch, menu, staleness_handlers):
             module.attach()
             _undo.append(module.detach)
-        _undo.append(gallery.clear)
+        _undo.append(preview_cache.clear)
         command = bpy.utils.register_cli_command("skylight", _command)
         _undo.append(partial(bpy.utils.unregister_cli_command, command))
     except Exception:

@@ -7,8 +7,8 @@ else), and under one with ozone, haze, water, ground and all orders of scatterin
 
 from pathlib import Path
 
-from spectral_skylight.addon.transfer.evaluation import colorchecker
-from spectral_skylight.addon.transfer.report import report_day
+from spectral_skylight.addon.evaluation.report import report_day
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 
 OUT = Path(__file__).resolve().parent / "out" / "day"
 PLACE = ("2025-03-20", 35.68, 139.77, "+9")

@@ -29,8 +29,8 @@ from reference import WAVELENGTHS, sky_directions
 from stage import Stage, Sun
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import before
-from spectral_skylight.addon.scene import render as renders
+from spectral_skylight.addon.scene.materials import rgb_comparison
+from spectral_skylight.addon.scene.output import render as renders
 from spectral_skylight.addon.sky.panorama import write_panorama
 
 TITLES = {
@@ -78,7 +78,9 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
         with timed(seconds, "spectral"):
             relight(stage, example, out)
         with timed(seconds, "rgb_same"):
-            before.show(True)  # in the file that was rendered last: other values, no other light
+            rgb_comparison.show(
+                True
+            )  # in the file that was rendered last: other values, no other light
             renders.render(bpy.context.scene, out / "rgb_same.exr", engine="eevee")
         beside = {}
         for other, options in example.beside.items():

@@ -128,8 +128,8 @@ class MainJob:
         """
         import bpy
 
-        from spectral_skylight.addon.scene import materials
-        from spectral_skylight.addon.scene.render import render
+        from spectral_skylight.addon.scene.materials import spectral_material
+        from spectral_skylight.addon.scene.output.render import render
 
         spectral = self.out / f"{name}_spectral.blend"
         assignments = [
@@ -144,7 +144,7 @@ class MainJob:
             command("render", spectral, "--out", self.out / f"{name}_spectral.exr")
             for material, reflectance in self.assigned[name].items():
                 albedo = self.albedos[self.index(reflectance)]
-                materials.update(bpy.data.materials[material], np.diag(albedo))
+                spectral_material.update(bpy.data.materials[material], np.diag(albedo))
             render(bpy.context.scene, self.out / f"{name}_rgb.exr")
 
     def compute_reference(self) -> None:

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from spectral_skylight.addon.scene import nodes
+from spectral_skylight.addon.scene.blend_data import nodes
 from spectral_skylight.node_groups import sky_visibility
 
 

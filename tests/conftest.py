@@ -5,6 +5,11 @@ import sys
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+# How long an example takes says what else the machine does.
+settings.register_profile("untimed", deadline=None)
+settings.load_profile("untimed")
 
 OPTIONAL = {"bpy", "dask", "distributed", "matplotlib", "psutil", "pvlib", "quickjs"}
 """What the numbers alone do without."""

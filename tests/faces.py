@@ -9,8 +9,8 @@ import bpy
 import numpy as np
 import OpenEXR
 
-from spectral_skylight.addon.scene import render as renderer
-from spectral_skylight.addon.scene import world as worlds
+from spectral_skylight.addon.scene.output import render as renderer
+from spectral_skylight.addon.scene.world import hdri as worlds
 from spectral_skylight.addon.sky.panorama import write_panorama
 
 PIXELS = 3  # a face is 3 x 3 pixels and its middle is read: no neighbour reaches there

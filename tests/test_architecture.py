@@ -18,13 +18,23 @@ MAY_IMPORT = {
     "spectra": {"errors"},
     "sky": {"errors", "spectra"},
     "transfer": {"errors", "spectra", "sky"},
+    "evaluation": {"errors", "spectra", "sky", "transfer"},
     "pictures": {"errors", "spectra", "sky", "transfer"},
     "node_groups": set(),
     "scene": {"errors", "spectra", "sky", "transfer", "pictures", "node_groups"},
     "ui": {"errors", "scene", "spectra", "pictures", "batch"},
     "registration": {"ui", "cli"},
     "cli": {"errors", "commands"},
-    "commands": {"errors", "spectra", "sky", "transfer", "pictures", "scene", "batch"},
+    "commands": {
+        "errors",
+        "spectra",
+        "sky",
+        "transfer",
+        "evaluation",
+        "pictures",
+        "scene",
+        "batch",
+    },
     "batch": {"errors", "spectra", "sky", "transfer", "scene"},
 }
 """Room and the other rooms that it may import from."""
@@ -33,11 +43,12 @@ MODULES_OF = {
     "errors": set(),
     "spectra": {"numpy", "colour", "scipy"},
     "sky": {"numpy", "OpenEXR", "pvlib", "scipy", "tqdm"},
-    "transfer": {"numpy", "colour", "matplotlib", "PIL", "scipy", "tqdm"},
+    "transfer": {"numpy", "colour"},
+    "evaluation": {"numpy", "colour", "matplotlib", "PIL", "scipy", "tqdm"},
     "pictures": {"numpy", "scipy"},
     "node_groups": {"bpy"},
-    "scene": {"bpy", "bpy_extras", "embreex", "mathutils", "numpy", "picture_file"},
-    "ui": {"bpy"},
+    "scene": {"bpy", "bpy_extras", "embreex", "mathutils", "numpy", "image_file"},
+    "ui": {"bpy", "bpy_extras"},
     "registration": {"bpy"},
     "cli": set(),
     "commands": {"numpy", "tqdm"},
@@ -45,7 +56,7 @@ MODULES_OF = {
 }
 """Room and the modules from outside, Python's own apart, that it may import.
 
-A batch's script finds the copy of our own `picture_file` beside its own.
+A batch's script finds the copy of our own `image_file` beside its own.
 """
 
 WHEELS = {"colour", "scipy", "OpenEXR", "embreex"}

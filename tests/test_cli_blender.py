@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon import cli
-from spectral_skylight.addon.scene import files, materials
+from spectral_skylight.addon.scene.files import blend_file
+from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]
@@ -113,16 +114,16 @@ os._exit(0)
 
 
 def test_applied_twice_is_applied_once(applied):
-    files.open_scene(applied)
-    assert sorted(m.name for m in materials.managed_materials()) == ["Floor", "Wall"]
+    blend_file.open_scene(applied)
+    assert sorted(m.name for m in spectral_material.managed_materials()) == ["Floor", "Wall"]
     groups = len(bpy.data.node_groups)
     again = applied.with_name("again.blend")
     csv = applied.with_name("paint.csv")
     arguments = ["apply", str(applied), "--assign", f"Wall={csv}:grey", "--out", str(again)]
     assert cli.main(arguments) == 0
-    files.open_scene(again)
+    blend_file.open_scene(again)
     assert len(bpy.data.node_groups) == groups and len(bpy.data.worlds) == 1
-    wall = materials.managed(bpy.data.materials["Wall"])
+    wall = spectral_material.managed(bpy.data.materials["Wall"])
     np.testing.assert_allclose(wall.matrix, 0.5 * np.eye(3), atol=1e-6)
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import spectral_skylight
-from spectral_skylight.addon.scene import materials
+from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.tests.ui import stage
 from spectral_skylight.tests.window import tutorial
 
@@ -46,7 +46,7 @@ def test_every_step_of_the_tutorial(new_file):
             promised = [text for kind, text in step.actions if kind == "see" and ":" in text]
             assert promised
             assert [text for text in promised if text not in panels()] == []
-        found = materials.managed(bpy.data.materials["Material"])
+        found = spectral_material.managed(bpy.data.materials["Material"])
         matrices[step.title[0]] = found and np.array(found.matrix)
     assert matrices["1"] is None and matrices["6"] is None
     assert np.abs(matrices["2"] - matrices["3"]).max() > 0.1

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..scene.picture_file import part_of
+from ..scene.output.image_file import part_of
 from .file_names import file_names
 from .scenes import SceneFile
 from .study import Sky, Study, Variant, content_hash

@@ -17,7 +17,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from ..scene.picture_file import part_of
+from ..scene.output.image_file import part_of
 from .file_names import file_names
 from .plan import Prepared, prepared_files
 from .scenes import SceneFile
@@ -104,12 +104,14 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
     """Write one prepared file, then its record."""
     import bpy
 
-    from ..scene import baking, files, materials, spectral
-    from ..scene import world as worlds
-    from ..scene.settings import BAKED, Settings
+    from ..scene import baking, spectral
+    from ..scene.files import blend_file
+    from ..scene.materials import spectral_material
+    from ..scene.world import hdri as worlds
+    from ..scene.world.settings import BAKED, Settings
     from ..transfer.white import AUTO
 
-    scene = files.open_scene(wanted.scene.path)
+    scene = blend_file.open_scene(wanted.scene.path)
     options = dict(study.settings)
     estimated = options["white"] == AUTO and wanted.sky.file is not None
     settings = Settings(
@@ -117,7 +119,7 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
     )
     if wanted.sky.sun is not None:
         settings = replace(settings, sun_elevation=wanted.sky.sun[0])
-    kept = {each: materials.kept(each) for each in spectral.in_scene(scene)}
+    kept = {each: spectral_material.kept(each) for each in spectral.in_scene(scene)}
     if wanted.sky.north is not None:
         scene.world = None  # or one that shows this sky, turned as the scene wants it, would stay
     world = worlds.set_sky(scene, sky)
@@ -128,7 +130,7 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
         settings, line = spectral.with_estimated_white(world, settings)
         notes.append(line)
     given = wanted.variant.reflectances
-    targets = {**kept, **{files.material(name): found for name, found in given.items()}}
+    targets = {**kept, **{blend_file.material(name): found for name, found in given.items()}}
     light, results = spectral.make_spectral(world, targets, settings)
     if settings.occlusion == BAKED:
         for _ in baking.bake(world, settings):
@@ -136,7 +138,7 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
         light, results = spectral.update(world, settings, targets)
     elsewhere = [line for image in bpy.data.images if (line := _carry(image, study.out / FOLDER))]
     path = study.out / wanted.blend
-    files.save(path)
+    blend_file.save(path)
     found = {
         "name": wanted.name,
         "scene": wanted.scene.path.stem,
@@ -157,7 +159,7 @@ def _turn(world: Any, north: float) -> None:
     In the HDRI north is +Y. A Mapping looks up direction v at Rz(angle) v, and what stands north in
     the scene, +Y turned clockwise by ``north`` seen from above, must be found at +Y.
     """
-    from ..scene import world as worlds
+    from ..scene.world import hdri as worlds
 
     sky = worlds.sky_of(world)
     if sky.mapping is not None:

@@ -108,7 +108,7 @@ def clear_leftovers(out: Path) -> None:
 
     Only under its lock; other machines' are theirs.
     """
-    from ..scene.picture_file import host
+    from ..scene.output.image_file import host
 
     for pattern in ("pictures/*/.*", "prepared/.*", ".*"):
         for path in out.glob(pattern):

@@ -48,9 +48,11 @@ def _need_blender() -> None:
 def _look(study: Study, path: Path) -> SceneFile:
     import bpy
 
-    from ..scene import files, materials, render_task
+    from ..scene.files import blend_file
+    from ..scene.materials import spectral_material
+    from ..scene.output import render_task
 
-    scene = files.open_scene(path)
+    scene = blend_file.open_scene(path)
     if bpy.data.version[:2] > bpy.app.version[:2]:
         made = ".".join(map(str, bpy.data.version[:2]))
         raise InputError(
@@ -71,7 +73,7 @@ def _look(study: Study, path: Path) -> SceneFile:
         for name in variant.reflectances:
             if name not in known:
                 raise _absent(f"{path}, variant {variant.name}", "material", name, known)
-            materials.check_editable(files.material(name))
+            spectral_material.check_editable(blend_file.material(name))
     names = {identifier: name for name, identifier in render_task.engines().items()}
     engine = study.engine or names.get(scene.render.engine)
     if engine is None:
@@ -112,6 +114,6 @@ def program_hash() -> str:
     digest = hashlib.sha256(bpy.app.version_string.encode() + bpy.app.build_hash)
     root = Path(__file__).parents[2]
     for room in ("addon/spectra", "addon/sky", "addon/transfer", "addon/scene", "node_groups"):
-        for source in sorted((root / room).glob("*.py")):
+        for source in sorted((root / room).rglob("*.py")):
             digest.update(source.read_bytes())
     return digest.hexdigest()[:24]

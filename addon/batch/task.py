@@ -8,13 +8,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-SCRIPT = Path(__file__).parents[1] / "scene" / "render_task.py"
+SCRIPT = Path(__file__).parents[1] / "scene" / "output" / "render_task.py"
 """What a plain Blender does tasks with."""
 
 
 def copy_scripts(folder: Path) -> None:
     """Put `SCRIPT`, and what it imports, beside a plan."""
-    for name in ("picture_file.py", SCRIPT.name):
+    for name in ("image_file.py", SCRIPT.name):
         shutil.copyfile(SCRIPT.with_name(name), folder / name)
 
 

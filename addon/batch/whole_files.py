@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..scene.picture_file import part_of
+from ..scene.output.image_file import part_of
 
 
 def write_json(path: Path, content: Any) -> None:

@@ -118,7 +118,7 @@ def _bake(work: Generator[Any, None, list[str]]) -> list[str]:
 
 def _settings(options: argparse.Namespace) -> Any:
     """Return the `scene.settings.Settings` of the options; a white to be found is left open."""
-    from ..scene.settings import BAKED, Settings
+    from ..scene.world.settings import BAKED, Settings
     from ..transfer.white import AUTO
 
     if options.bounce and options.occlusion != BAKED:
@@ -185,14 +185,15 @@ def _read(options: argparse.Namespace) -> _Spectra:
 
 def _targets(options: argparse.Namespace, spectra: _Spectra) -> dict[Any, Any]:
     """Return the open file's materials and their reflectances (name, (81,))."""
-    from ..scene import files, textures
+    from ..scene.files import blend_file
+    from ..scene.materials import base_color
 
-    targets = {files.material(name): given for name, given in spectra.reflectances.items()}
+    targets = {blend_file.material(name): given for name, given in spectra.reflectances.items()}
     for name in options.estimate:
-        material = files.material(name)
-        targets[material] = (textures.ESTIMATED, textures.estimated(material))
+        material = blend_file.material(name)
+        targets[material] = (base_color.ESTIMATED, base_color.estimated(material))
     for name, (glass, transmittance) in spectra.behind.items():
-        if (material := files.material(name)) not in targets:
+        if (material := blend_file.material(name)) not in targets:
             raise InputError(f"--behind {name}", "has no reflectance", "give it one by --assign")
         reflectance, values = targets[material]
         targets[material] = (f"{reflectance} behind {glass}", values * transmittance)
@@ -201,22 +202,27 @@ def _targets(options: argparse.Namespace, spectra: _Spectra) -> dict[Any, Any]:
 
 def _metals(spectra: _Spectra) -> dict[Any, Any]:
     """Return the open file's materials that are metals, with n and k."""
-    from ..scene import files, optics
+    from ..scene.files import blend_file
+    from ..scene.materials import glass_and_metal
 
-    metals = {files.material(name): nk for name, nk in spectra.metals.items()}
+    metals = {blend_file.material(name): nk for name, nk in spectra.metals.items()}
     for material in metals:
-        optics.check_metal(material)
+        glass_and_metal.check_metal(material)
     return metals
 
 
 def run(options: argparse.Namespace) -> None:
     """Write the blend file, and print what each material was given."""
-    from ..scene import baking, files, lamps, sky_light, spectral, working_space
-    from ..scene.settings import BAKED
+    from ..scene import baking, spectral
+    from ..scene.blend_data import working_space
+    from ..scene.files import blend_file
+    from ..scene.lights import user_lamps
+    from ..scene.world import light_group
+    from ..scene.world.settings import BAKED
     from ..transfer.white import AUTO
 
     spectra, settings = _read(options), _settings(options)
-    scene = files.open_scene(options.scene)
+    scene = blend_file.open_scene(options.scene)
     if options.space not in (None, working_space.name()):
         raise InputError(
             options.scene,
@@ -226,7 +232,7 @@ def run(options: argparse.Namespace) -> None:
     for name, spectrum in options.lamp:
         file = Path(spectrum)  # the blend file may move
         spectrum = str(file.resolve()) if file.parent.is_dir() and file.suffix else spectrum
-        files.lamp(name).data[lamps.SPECTRUM] = spectrum
+        blend_file.lamp(name).data[user_lamps.SPECTRUM] = spectrum
     if options.sky is not None:
         spectral.set_sky(scene, options.sky, settings)
     said = []
@@ -235,15 +241,15 @@ def run(options: argparse.Namespace) -> None:
         said.append(line)
     targets, metals = _targets(options, spectra), _metals(spectra)
     world = spectral.develop(scene, settings)
-    measured = {files.material(name): span for name, span in spectra.measured.items()}
-    glazings = {files.material(n): (*pane, 1) for n, pane in spectra.glazings.items()}
+    measured = {blend_file.material(name): span for name, span in spectra.measured.items()}
+    glazings = {blend_file.material(n): (*pane, 1) for n, pane in spectra.glazings.items()}
     light, results = spectral.make_spectral(world, targets, settings, metals, measured, glazings)
     if settings.occlusion == BAKED:
         said += _bake(baking.bake(world, settings))
         light, results = spectral.update(world, settings, targets)
-    files.save(options.out)
+    blend_file.save(options.out)
     for result in results:
         print(result.line)
-    description = sky_light.description_of(world) or {}
+    description = light_group.description_of(world) or {}
     for line in (*said, *light.notes, *description["lights"], description["caption"]):
         print(line)

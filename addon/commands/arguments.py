@@ -41,8 +41,8 @@ def chosen_reflectances(options: argparse.Namespace) -> tuple[tuple[str, ...], A
     """Return names and reflectances (m, 81) of ``--reflectances``, else the ColorChecker's."""
     import numpy as np
 
+    from ..spectra.colorchecker import colorchecker
     from ..spectra.reflectance import read_reflectances
-    from ..transfer.evaluation import colorchecker
 
     if not options.reflectances:
         return colorchecker()

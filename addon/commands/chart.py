@@ -39,10 +39,10 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Measure every method, write picture and tables, and print them."""
-    from ..transfer.chart import ELEVATIONS, full_skies, rows
-    from ..transfer.chart_report import report_chart
-    from ..transfer.charts import new_figure
-    from ..transfer.methods import METHODS, with_basis
+    from ..evaluation.chart import ELEVATIONS, full_skies, rows
+    from ..evaluation.chart_report import report_chart
+    from ..evaluation.charts import new_figure
+    from ..evaluation.methods import METHODS, with_basis
 
     if not 1 <= options.rounds <= 1000:
         raise InputError("--rounds", f"{options.rounds}", "give 1 to 1000")
@@ -79,12 +79,12 @@ def _eevee(rounds: int) -> tuple[dict[str, dict[str, float]], str | None]:
     from dataclasses import asdict
 
     try:
-        from ..scene import cost
+        from ..scene.output import eevee_cost
     except ImportError:
         print("Eevee is not measured: there is no Blender (pip install bpy)", file=sys.stderr)
         return {}, None
-    found: dict[str, cost.Cost] = {}
-    for turn, found in enumerate(cost.sample_costs(rounds=rounds), 1):  # noqa: B007
+    found: dict[str, eevee_cost.Cost] = {}
+    for turn, found in enumerate(eevee_cost.sample_costs(rounds=rounds), 1):  # noqa: B007
         if sys.stderr.isatty():
             print(f"Eevee: round {turn} of {rounds}", file=sys.stderr)
-    return {name: asdict(one) for name, one in found.items()}, cost.blender_version()
+    return {name: asdict(one) for name, one in found.items()}, eevee_cost.blender_version()

@@ -66,9 +66,9 @@ def _numbers(text: str) -> list[float]:
 
 def run(options: argparse.Namespace) -> None:
     """Write figures and tables; print the summary."""
+    from ..evaluation.charts import new_figure
+    from ..evaluation.report import report_day, report_light
     from ..spectra.light import read_light
-    from ..transfer.charts import new_figure
-    from ..transfer.report import report_day, report_light
 
     if not options.predicted:
         # Before colour-science is imported, which puts a dummy where matplotlib is missing.
@@ -123,8 +123,8 @@ def _print_predicted(options: argparse.Namespace, rho: Any) -> None:
     """Print how well predictions hold, of each site and of all together."""
     from pathlib import Path
 
+    from ..evaluation.calibration import calibrate, joined
     from ..spectra.light import read_light
-    from ..transfer.calibration import calibrate, joined
 
     if not options.daylight:
         raise InputError("--predicted", "there is no measured light", "give --daylight FILE.csv")

@@ -90,17 +90,18 @@ def _spectrum(found: UnderSky) -> Any:
 
 def _of_scene(options: argparse.Namespace) -> Any:
     """Draw what a file's managed materials were given."""
-    from ..scene import files, pictured
+    from ..scene import portraits
+    from ..scene.files import blend_file
 
     if options.sky is not None or options.sky_rgb is not None:
         raise InputError("--sky", f"{options.source} has its own", "leave it out")
-    files.open_scene(options.source)
+    blend_file.open_scene(options.source)
     if options.material is None:
-        rows = pictured.expected()
+        rows = portraits.expected()
         if not rows:
             raise InputError(options.source, "has no spectral material", "apply one first")
         return _draw(options, Path(options.source).name, errors=rows)
-    found = pictured.portrait(files.material(options.material))
+    found = portraits.portrait(blend_file.material(options.material))
     if found is None:
         raise InputError(
             f"--material {options.material}", "has no reflectance yet", "apply one first"

@@ -19,10 +19,12 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Render, and print the paths of the pictures."""
-    from ..scene import before, files, render
+    from ..scene.files import blend_file
+    from ..scene.materials import rgb_comparison
+    from ..scene.output import render
 
-    scene = files.open_scene(options.scene)
-    if found := before.shown_now():
+    scene = blend_file.open_scene(options.scene)
+    if found := rgb_comparison.shown_now():
         names = ", ".join(material.name for material in found[:5]) + (" …" if found[5:] else "")
         print(f"WARNING: RGB × RGB shows on {names}: press Back to Spectral", file=sys.stderr)
     for path in render.render(scene, options.out, options.camera, options.engine):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..sky.outside import FOREIGN, GROUND, KINDS, SKY, SUN, Outside, blocks
 from ..sky.panorama import LUMINANCE
+from ..sky.sky_classification import FOREIGN, GROUND, KINDS, SKY, SUN, Outside, blocks
 from ..sky.sun import Sun
 from .canvas import Canvas
 from .theme import DARK, Theme

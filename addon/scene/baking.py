@@ -7,10 +7,11 @@ from typing import Any
 
 import bpy
 
-from . import bake as sky_bake
-from . import bounce, surrounding_lights
-from .settings import Settings
+from . import scene_lighting
+from .bake import interreflection
+from .bake import scene_bake as sky_bake
 from .spectral import analysed
+from .world.settings import Settings
 
 
 def bake(
@@ -21,7 +22,7 @@ def bake(
 ) -> Generator[sky_bake.Progress, None, list[str]]:
     """Bake what objects see of the sky, and bounces where wanted, yielding how far it is.
 
-    Of the active scene, None for all its managed objects; ``options`` as `bake.bake` has them.
+    Of the active scene, None for all its managed objects; ``options``: those of `scene_bake.bake`.
     Returns lines to say; `spectral.update` then lights it.
     """
     lines = []
@@ -35,7 +36,7 @@ def bake(
             break
         yield sky_bake.Progress(share * progress.done, progress.line)
     if settings.bounce:
-        sun = surrounding_lights.towards_sun(world, analysed(world, settings), settings)
-        for done in bounce.bounce(sun):
+        sun = scene_lighting.towards_sun(world, analysed(world, settings), settings)
+        for done in interreflection.bounce(sun):
             yield sky_bake.Progress(share + (1.0 - share) * done, "one bounce")
     return lines

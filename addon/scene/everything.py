@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 import bpy
 
-from . import eligible, given, materials, optics, spectral, textures
-from .bake import Progress
-from .settings import Settings
+from . import spectral
+from .bake.scene_bake import Progress
+from .materials import assignment, base_color, eligibility, glass_and_metal, spectral_material
+from .world.settings import Settings
 
 LEFT = "spectral_skylight_left"  # on a scene: JSON of names and why they were left alone
 
@@ -25,7 +26,7 @@ class Everything:
     @property
     def estimated(self) -> int:
         """How many have a reflectance that nobody measured."""
-        return sum(result.reflectance == textures.ESTIMATED for result in self.results)
+        return sum(result.reflectance == base_color.ESTIMATED for result in self.results)
 
     @property
     def line(self) -> str:
@@ -36,7 +37,7 @@ class Everything:
 
 def make(
     scene: bpy.types.Scene,
-    chosen: Mapping[bpy.types.Material, given.Given | str],
+    chosen: Mapping[bpy.types.Material, assignment.Given | str],
     settings: Settings,
     estimate: bool = True,
 ) -> Generator[Progress, None, Everything]:
@@ -46,9 +47,9 @@ def make(
     or with ``estimate`` get a reflectance of their base colour. Raises InputError as
     `spectral.make_spectral` does.
     """
-    wanted: dict[bpy.types.Material, given.Given] = {}
+    wanted: dict[bpy.types.Material, assignment.Given] = {}
     left: list[tuple[str, str]] = []
-    for material in eligible.materials_of(scene):
+    for material in eligibility.materials_of(scene):
         what = _what(material, chosen.get(material), estimate)
         if isinstance(what, str):
             left.append((material.name, what))
@@ -57,36 +58,36 @@ def make(
     results = []
     if wanted:
         world = spectral.develop(scene, settings)
-        told = given.apart(wanted)
+        told = assignment.apart(wanted)
         _, results = yield from spectral.making_spectral(world, settings=settings, **told)
     scene[LEFT] = json.dumps(left)
     return Everything(results, left)
 
 
 def _what(
-    material: bpy.types.Material, chosen: given.Given | str | None, estimate: bool
-) -> given.Given | str:
+    material: bpy.types.Material, chosen: assignment.Given | str | None, estimate: bool
+) -> assignment.Given | str:
     """What a material is to have, or why it is left alone."""
     if chosen is not None:
-        return eligible.unchangeable(material) or chosen
+        return eligibility.unchangeable(material) or chosen
     before = kept(material)
     if before is not None:
-        return eligible.unchangeable(material) or before
-    if why := eligible.reason(material):
+        return eligibility.unchangeable(material) or before
+    if why := eligibility.reason(material):
         return why
     if not estimate:
         return "no reflectance is chosen for it"
-    return given.Given(textures.ESTIMATED, textures.estimated(material))
+    return assignment.Given(base_color.ESTIMATED, base_color.estimated(material))
 
 
-def kept(material: bpy.types.Material) -> given.Given | None:
+def kept(material: bpy.types.Material) -> assignment.Given | None:
     """What was given to a material that is spectral already; None for an estimate and without."""
-    if optics.pane_node(material) is not None:
-        return given.Given(*optics.pane_of(material))
-    managed = materials.managed(material)
-    if managed is None or managed.reflectance_name == textures.ESTIMATED:
+    if glass_and_metal.pane_node(material) is not None:
+        return assignment.Given(*glass_and_metal.pane_of(material))
+    managed = spectral_material.managed(material)
+    if managed is None or managed.reflectance_name == base_color.ESTIMATED:
         return None
-    return given.Given(*materials.kept(material), optics.metal_of(material))
+    return assignment.Given(*spectral_material.kept(material), glass_and_metal.metal_of(material))
 
 
 def left_alone(scene: bpy.types.Scene) -> list[tuple[str, str]]:

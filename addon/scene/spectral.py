@@ -22,25 +22,22 @@ from ..spectra.working_spaces import rec709_to_working
 from ..transfer.choice import doubt, lowest_degree, sky_line, visibility_line
 from ..transfer.matrices import Transfer
 from ..transfer.white import AUTO, estimate_white, settle_white
-from . import (
-    before,
-    bounce,
-    doubles,
-    lights,
-    materials,
-    openness,
-    optics,
-    owned,
-    sky_light,
-    surrounding_lights,
+from . import scene_lighting
+from .bake import interreflection, sky_exposure
+from .bake.scene_bake import Progress, run
+from .lights import lighting
+from .materials import (
+    base_color,
+    glass_and_metal,
+    merge_groups,
+    rgb_comparison,
+    saved_settings,
+    spectral_material,
     swatch,
-    textures,
-    view,
-    world_pixels,
 )
-from . import world as worlds
-from .bake import Progress, run
-from .settings import Settings, store
+from .world import hdri as worlds
+from .world import light_group, panorama, view_transform
+from .world.settings import Settings, store
 
 Metals = Mapping[bpy.types.Material, tuple[NDArray[np.float64], NDArray[np.float64]]]
 Glazings = Mapping[bpy.types.Material, tuple[str, NDArray[np.float64], int]]
@@ -79,7 +76,7 @@ def set_sky(scene: bpy.types.Scene, path: str | Path, settings: Settings) -> bpy
 def develop(scene: bpy.types.Scene, settings: Settings) -> bpy.types.World:
     """Return a scene's World; where its HDRI is a camera's raw, give it one that shows colours.
 
-    Raises InputError as `world.develop` does, and for an unknown camera.
+    Raises InputError as `hdri.develop` does, and for an unknown camera.
     """
     if settings.camera is None:
         return worlds.develop(scene, np.eye(3))
@@ -98,9 +95,9 @@ def make_spectral(
 
     ``metals``: n and k (81,) of those whose reflectance is a metal's; they keep their gloss.
     ``measured``: from where to where [nm] reflectances were measured, kept for those who look.
-    ``glazings``: what becomes glass, as `optics.glaze` takes it (name, transmittance, faces).
+    ``glazings``: what becomes glass, as `glass_and_metal.glaze` has it: name, transmittance, faces.
     Everything is computed and checked before the first material changes. Raises InputError as
-    `world_pixels.light_of`, `materials.apply` and `Settings.transfer` do.
+    `panorama.light_of`, `spectral_material.apply` and `Settings.transfer` do.
     """
     return run(making_spectral(world, reflectances, settings, metals, measured, glazings))
 
@@ -118,9 +115,9 @@ def making_spectral(
     Whoever closes the generator leaves those before it whole, lit and described.
     """
     for material in (*reflectances, *(metals or ()), *(glazings or ())):
-        materials.check_editable(material)
+        spectral_material.check_editable(material)
     for material in metals or ():
-        optics.check_metal(material)
+        glass_and_metal.check_metal(material)
     light = analysed(world, settings)
     values = np.stack([rho for _, rho in reflectances.values()]) if reflectances else _NONE
     tint = ""
@@ -134,16 +131,16 @@ def making_spectral(
         light = lowest_degree(light, to_rec709, settings.tolerance)
     model = sky_line(choice, light)
     if settings.tolerance is not None and bpy.context.scene.world == world:
-        hidden = openness.hidden_share(bpy.context.scene, list(reflectances))
+        hidden = sky_exposure.hidden_share(bpy.context.scene, list(reflectances))
         model += "" if hidden is None else f"; {visibility_line(hidden, settings.tolerance)}"
     given = {material: rho for material, (_, rho) in reflectances.items()}
-    found = surrounding_lights.find(world, light, choice.transfer, settings, given)
+    found = scene_lighting.find(world, light, choice.transfer, settings, given)
     yield Progress(0.0, "the sky")
-    before.show(False)
-    sun = surrounding_lights.towards_sun(world, light, settings)
+    rgb_comparison.show(False)
+    sun = scene_lighting.towards_sun(world, light, settings)
     store(world, _plain(settings))
-    if reflectances or materials.managed_materials(world):
-        lights.install(world, found)  # glass alone needs no lamps
+    if reflectances or spectral_material.managed_materials(world):
+        lighting.install(world, found)  # glass alone needs no lamps
     description = {
         **light.report(),
         "caption": found.caption,
@@ -157,19 +154,19 @@ def making_spectral(
     prediction = choice.prediction
     assert prediction is not None
     results = []
-    group = sky_light.ensure(world)
+    group = light_group.ensure(world)
     white = found.white_luminance
     reflected = found.reflected(values)
     textured = {
         material: varied
         for material, (name, rho) in reflectances.items()
-        if (varied := textures.varied(material, name, rho)) is not None
+        if (varied := base_color.varied(material, name, rho)) is not None
     }
     try:
         for k, (material, (name, rho)) in enumerate(reflectances.items()):
             metal = (metals or {}).get(material) or _metal(material, rho)
-            if metal is None and optics.metal_of(material) is not None:
-                materials.remove(material, stays=group)  # with the metal's colours
+            if metal is None and glass_and_metal.metal_of(material) is not None:
+                spectral_material.remove(material, stays=group)  # with the metal's colours
             expected, bound = choice.error(k)
             result = Result(
                 material=material.name,
@@ -182,7 +179,7 @@ def making_spectral(
                 out_of_gamut=bool(prediction.out_of_gamut[k]),
                 line=choice.line(k, f"{material.name} ({name})"),
             )
-            materials.apply(
+            spectral_material.apply(
                 material,
                 world,
                 choice.matrices[k],
@@ -193,8 +190,8 @@ def making_spectral(
                     "unknown": prediction.unknown,
                     "values": rho.tolist(),
                     "measured": (measured or {}).get(material) or _measured(material, rho),
-                    "source": textures.source(material)
-                    if material in textured or name == textures.ESTIMATED
+                    "source": base_color.source(material)
+                    if material in textured or name == base_color.ESTIMATED
                     else None,
                     "white": white,
                 },
@@ -207,52 +204,54 @@ def making_spectral(
                 group=group,
             )
             if metal is not None:
-                optics.keep_metal(material, *metal)
+                glass_and_metal.keep_metal(material, *metal)
             if material in textured:
-                materials.set_texture(material, textures.values(found, textured[material]))
-            owned.show_colour(material, swatch.shown(result.colour, white))
-            before.keep(material, before.surface(found, material.name_full, rho))
+                spectral_material.set_texture(
+                    material, base_color.values(found, textured[material])
+                )
+            saved_settings.show_colour(material, swatch.shown(result.colour, white))
+            rgb_comparison.keep(material, rgb_comparison.surface(found, material.name_full, rho))
             if material in textured:
-                before.keep(material, before.texture(found, textured[material]))
+                rgb_comparison.keep(material, rgb_comparison.texture(found, textured[material]))
             results.append(result)
             yield Progress((k + 1) / len(reflectances), material.name)
         for material, pane in (glazings or {}).items():
-            optics.glaze(material, *pane)
+            glass_and_metal.glaze(material, *pane)
     finally:
         warned = _relight(world, found, list(reflectances)[: len(results)])
-        if found.features.bounce and bounce.is_stale(sun):
+        if found.features.bounce and interreflection.is_stale(sun):
             warned.append("the sun has moved since its bounce was baked: bake again")
-        warned += optics.refresh(lights.scenes_of(world), light, choice.transfer)
-        for scene in lights.scenes_of(world):
-            warned += view.refresh(scene, description["level"])
-        sky_light.describe(world, {**description, "lights": [*found.lines, *warned]})
-        doubles.merge()
+        warned += glass_and_metal.refresh(lighting.scenes_of(world), light, choice.transfer)
+        for scene in lighting.scenes_of(world):
+            warned += view_transform.refresh(scene, description["level"])
+        light_group.describe(world, {**description, "lights": [*found.lines, *warned]})
+        merge_groups.merge()
     return light, results
 
 
 def _relight(
-    world: bpy.types.World, found: lights.Lights, fresh: list[bpy.types.Material]
+    world: bpy.types.World, found: lighting.Lights, fresh: list[bpy.types.Material]
 ) -> list[str]:
     """Let what a World already lit follow its new light, all but the fresh; return warnings."""
     lines = []
-    for material in set(materials.managed_materials(world)) - set(fresh):
+    for material in set(spectral_material.managed_materials(world)) - set(fresh):
         try:
-            materials.check_editable(material)
+            spectral_material.check_editable(material)
         except InputError as error:
             lines.append(f"skipped: {error}")
             continue
-        managed = materials.managed(material)
+        managed = spectral_material.managed(material)
         assert managed is not None
-        name, rho = materials.kept(material)
+        name, rho = spectral_material.kept(material)
         given = {**found.reflected(rho), **found.bounced(material.name_full, rho)}
-        materials.update(material, managed.matrix, given)
-        if (varied := textures.varied(material, name, rho)) is not None:
-            materials.set_texture(material, textures.values(found, varied))
-    lines += lights.refresh(world)
+        spectral_material.update(material, managed.matrix, given)
+        if (varied := base_color.varied(material, name, rho)) is not None:
+            spectral_material.set_texture(material, base_color.values(found, varied))
+    lines += lighting.refresh(world)
     return lines + [
         f"{material.name}: not shown while it is spectral: {', '.join(missing)}"
         for material in fresh
-        if (missing := materials.look_of(material).left_out)
+        if (missing := spectral_material.look_of(material).left_out)
     ]
 
 
@@ -263,15 +262,15 @@ def _restored(light: SkyLight, transfer: Transfer) -> list[float]:
 
 def _metal(material: bpy.types.Material, rho: NDArray[np.float64]) -> Any:
     """Return n and k of the metal whose reflectance a material has already, None for another."""
-    managed = materials.managed(material)
+    managed = spectral_material.managed(material)
     if managed is None or managed.reflectance_hash != reflectance_hash(rho):
         return None
-    return optics.metal_of(material)
+    return glass_and_metal.metal_of(material)
 
 
 def _measured(material: bpy.types.Material, rho: NDArray[np.float64]) -> tuple[float, float] | None:
     """Return from where to where [nm] the reflectance that a material has already was measured."""
-    managed = materials.managed(material)
+    managed = spectral_material.managed(material)
     if managed is None or managed.reflectance_hash != reflectance_hash(rho):
         return None
     return managed.extra.get("measured")
@@ -288,8 +287,10 @@ def with_estimated_white(world: bpy.types.World | None, settings: Settings) -> t
 
 def in_scene(scene: bpy.types.Scene) -> list[bpy.types.Material]:
     """Return the managed materials on a scene's objects or under its World, each once."""
-    found = [m for m in materials.materials_of(scene.objects) if materials.is_managed(m)]
-    under = materials.managed_materials(scene.world) if scene.world else []
+    found = [
+        m for m in spectral_material.materials_of(scene.objects) if spectral_material.is_managed(m)
+    ]
+    under = spectral_material.managed_materials(scene.world) if scene.world else []
     return list(dict.fromkeys([*found, *under]))
 
 
@@ -302,8 +303,8 @@ def update(
 
     Their reflectances come from the blend file itself. Raises as `make_spectral` does.
     """
-    chosen = materials.managed_materials(world) if chosen is None else chosen
-    return make_spectral(world, {each: materials.kept(each) for each in chosen}, settings)
+    chosen = spectral_material.managed_materials(world) if chosen is None else chosen
+    return make_spectral(world, {each: spectral_material.kept(each) for each in chosen}, settings)
 
 
 _NONE: NDArray[np.float64] = np.empty((0, 81))
@@ -311,7 +312,7 @@ _NONE: NDArray[np.float64] = np.empty((0, 81))
 
 def analysed(world: bpy.types.World | None, settings: Settings) -> SkyLight:
     """Return what a World's sky is; raises InputError as `make_spectral` does for it."""
-    return world_pixels.light_of(world, settings.sensors)
+    return panorama.light_of(world, settings.sensors)
 
 
 def _plain(record: Any) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from ..errors import InputError
 from ..spectra.bases import rayleigh, restoration
 from ..spectra.ensemble import uv
 from ..spectra.grid import WEIGHTS
-from ..spectra.metamer import with_colour
+from ..spectra.metamer import spectrum_with_colour
 from ..spectra.sensitivities import cmfs, observer
 from ..spectra.sunlight import extraterrestrial_sunlight
 from .atmosphere import Atmosphere
@@ -120,7 +120,7 @@ def restored_sun(
         return SunLight(spectrum, S_in @ spectrum / balance, True, line)
     spectrum = direct_sunlight(sun.elevation, seen, S_in)
     away = float(np.linalg.norm(_uv(S_in @ spectrum, S_in) - _uv(seen, S_in)))
-    exact = with_colour(spectrum, seen, S_in)
+    exact = spectrum_with_colour(spectrum, seen, S_in)
     if exact is None:
         exact = spectrum * (_luminance(seen, S_in) / _luminance(S_in @ spectrum, S_in))
     line = f"the sun at {sun.elevation:.0f}° is as strong as the HDRI shows it"

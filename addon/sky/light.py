@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from .hdri_checks import signs
 from .irradiance import Fit, exact_irradiance, fit_coefficients
-from .outside import KINDS, Outside, outside
 from .panorama import Panorama
 from .polynomial import exponents
-from .signs import signs
+from .sky_classification import KINDS, Outside, outside
 from .sun import Sun, separate_sun
 
 
@@ -131,7 +131,7 @@ def analyse(
     """Set the sun apart, fit the irradiance polynomial and look for what is no skylight.
 
     ``degree`` as in `fit_coefficients`. ``S_in`` (3, 81): what made the HDRI's numbers, by which
-    alone the colours of skylight are known: as in `off_locus`, over the white of a balanced one.
+    alone the colors of skylight are known: as in `locus_distance`, over a balanced one's white.
     """
     sky, sun = separate_sun(panorama.rgb)
     return SkyLight(

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from ..spectra.grid import WAVELENGTHS
 from .atmosphere import EARTH_RADIUS, Medium
-from .phases import draw_haze, draw_rayleigh, haze_density, haze_phase, rayleigh_phase
-from .rays import columns_to_space, distances
+from .path_lengths import columns_to_space, distances
+from .phase_functions import draw_haze, draw_rayleigh, haze_density, haze_phase, rayleigh_phase
 from .scattering import transmittance
 
 HEROES = np.searchsorted(WAVELENGTHS, [390.0, 430.0, 480.0, 540.0, 620.0, 720.0])

@@ -14,8 +14,8 @@ from ..spectra.grid import WAVELENGTHS
 from ..spectra.sunlight import extraterrestrial_sunlight
 from .atmosphere import EARTH_RADIUS, Atmosphere, Medium, medium
 from .gases import band_absorption, band_depth
-from .phases import haze_phase, rayleigh_phase
-from .rays import columns_to_space, distances
+from .path_lengths import columns_to_space, distances
+from .phase_functions import haze_phase, rayleigh_phase
 
 
 def sun_transmittance(sun_elevation: float, atmosphere: Atmosphere) -> NDArray[np.float64]:

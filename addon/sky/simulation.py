@@ -22,7 +22,7 @@ from ..spectra import cache
 from ..spectra.grid import WAVELENGTHS
 from ..spectra.sunlight import extraterrestrial_sunlight
 from .atmosphere import Atmosphere, Medium, medium
-from .phases import haze_phase, rayleigh_phase
+from .phase_functions import haze_phase, rayleigh_phase
 from .photons import ORDERS, follow
 from .scattering import direction, scattered_once, sun_transmittance
 

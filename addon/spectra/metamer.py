@@ -18,7 +18,7 @@ Of middles from 530 to 560 and widths from 60 to 120 among the best for light fr
 patches and measured objects alike, and half as far off as the observer's own curves."""
 
 
-def with_colour(
+def spectrum_with_colour(
     expected: NDArray[np.float64], rgb: ArrayLike, S: NDArray[np.float64]
 ) -> NDArray[np.float64] | None:
     """Return a positive spectrum (81,) with ``S @ spectrum = rgb`` that is like another.

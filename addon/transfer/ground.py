@@ -17,9 +17,9 @@ from ..sky.direct_sun import SunLight
 from ..sky.irradiance import exact_irradiance, spread
 from ..sky.light import SkyLight
 from ..sky.polynomial import exponents, monomials
+from ..spectra.daylight_locus import LIMIT, locus_distance
 from ..spectra.grid import WEIGHTS
-from ..spectra.locus import LIMIT, off_locus
-from ..spectra.metamer import with_colour
+from ..spectra.metamer import spectrum_with_colour
 from ..spectra.sensitivities import cmfs
 from .matrices import Transfer
 from .measures import delta_E
@@ -116,7 +116,7 @@ def ground_light(
     # Of a grey ground its light is skylight and sunlight: the sky's own basis knows that best.
     spectrum = mapping.restoration @ (seen * white) if grey else None
     if spectrum is None or spectrum.min() < 0.0:
-        spectrum = with_colour(lit, seen * white, mapping.S_in)
+        spectrum = spectrum_with_colour(lit, seen * white, mapping.S_in)
     if spectrum is None:
         spectrum = lit * (V @ mapping.restoration @ (seen * white) / (V @ lit))
         line += ", taken as grey: no light has its colour"
@@ -136,7 +136,7 @@ def is_grey(light: SkyLight, mapping: Transfer) -> bool:
     """
     seen = exact_irradiance(split(light.sky)[1], [[0.0, 0.0, -1.0]])[0]
     white = np.ones(3) if mapping.white is None else mapping.white
-    away = off_locus(seen * white, mapping.S_in, light.sun_elevation(), direct_sun=True)
+    away = locus_distance(seen * white, mapping.S_in, light.sun_elevation(), direct_sun=True)
     return bool(away <= LIMIT)
 
 

@@ -15,7 +15,7 @@ from ..errors import InputError
 from ..spectra.ensemble import uv
 from ..spectra.grid import WAVELENGTHS, WEIGHTS, resample
 from ..spectra.light import read_light
-from ..spectra.metamer import with_colour
+from ..spectra.metamer import spectrum_with_colour
 from ..spectra.reflectance import split_assignment
 from ..spectra.sensitivities import cmfs, observer
 from ..spectra.working_spaces import DEFAULT_SPACE
@@ -191,7 +191,7 @@ def _of_colour(rgb: NDArray, S: NDArray) -> NDArray[np.float64]:
     for pale in (0.0, 0.01, 0.03, 0.1, 0.3):
         wanted = (1.0 - pale) * rgb + pale * rgb.mean()
         nearest = np.argmin(np.sum((colours - uv(to_XYZ @ wanted)) ** 2, axis=1))
-        if (found := with_colour(candidates[nearest], wanted, S)) is not None:
+        if (found := spectrum_with_colour(candidates[nearest], wanted, S)) is not None:
             return found
     raise InputError("--lamp", f"{rgb.tolist()} is no light's colour", "give a paler one")
 

@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..sky.simulation import LOWEST_SUN
+from ..spectra.daylight_locus import LIMIT, locus_distance
 from ..spectra.ensemble import shipped
 from ..spectra.grid import WAVELENGTHS
 from ..spectra.illuminants import D65
-from ..spectra.locus import LIMIT, off_locus
 from ..spectra.sensitivities import observer
 from ..spectra.working_spaces import DEFAULT_SPACE, XYZ_to_working
 from .matrices import Transfer
@@ -157,7 +157,7 @@ def _unknown(transfer: Transfer, lights: NDArray, sun_elevation: float | None) -
         return "the sky is dark"
     if sun_elevation is not None and sun_elevation < LOWEST_SUN:
         return f"the sun is under {LOWEST_SUN:g}°"
-    away = off_locus(transfer.unbalanced(lights), transfer.S_in, sun_elevation).max()
+    away = locus_distance(transfer.unbalanced(lights), transfer.S_in, sun_elevation).max()
     if away > LIMIT:
         return f"its light has no colour of skylight (off by {away:.3f} in u'v')"
     return ""

@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..sky.light import SkyLight
 from ..sky.sun import Sun
+from ..spectra.colorchecker import colorchecker
 from ..spectra.ensemble import shipped
-from .evaluation import colorchecker
 from .matrices import Transfer, check_white
 from .measures import delta_E
 

@@ -27,7 +27,9 @@ class Apply(choice.Fields, operator.Thin):
         return ""
 
     def run(self, context):
-        from ..scene import given, sky_light, spectral
+        from ..scene import spectral
+        from ..scene.materials import assignment
+        from ..scene.world import light_group
 
         found, lines = targets.editable(self.targets(context))
         chosen = {}
@@ -47,11 +49,11 @@ class Apply(choice.Fields, operator.Thin):
         lines += [("INFO", f"{m.name}: {note}") for m, one in read.items() for note in one.notes]
         settings = properties.settings_of(context.scene.world)
         world = spectral.develop(context.scene, settings)
-        _, results = spectral.make_spectral(world, settings=settings, **given.apart(read))
+        _, results = spectral.make_spectral(world, settings=settings, **assignment.apart(read))
         for material, source in chosen.items():
             choice.keep(material.skylight, source, read[material].column)
         lines += [("WARNING" if r.out_of_gamut else "INFO", r.line) for r in results]
-        found = sky_light.description_of(world)  # none where all is glass
+        found = light_group.description_of(world)  # none where all is glass
         told = (*found["lights"], found["caption"]) if found else ()
         return [*lines, *(("INFO", line) for line in told)]
 
@@ -112,12 +114,13 @@ class SKYLIGHT_OT_estimate(operator.Thin, bpy.types.Operator):
         return operator.no_sky(context)
 
     def run(self, context):
-        from ..scene import spectral, textures
+        from ..scene import spectral
+        from ..scene.materials import base_color
 
         material = targets.named(context, self.material)
         settings = properties.settings_of(context.scene.world)
         world = spectral.develop(context.scene, settings)
-        given = {material: (textures.ESTIMATED, textures.estimated(material))}
+        given = {material: (base_color.ESTIMATED, base_color.estimated(material))}
         _, results = spectral.make_spectral(world, given, settings)
         return [("INFO", result.line) for result in results]
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 
 from ..errors import InputError
-from . import assign, operator, shelf
+from . import assign, library_state, operator
 
 
 class SKYLIGHT_OT_write_assets(operator.Long, bpy.types.Operator):
@@ -25,7 +25,7 @@ Made spectral, they are what was measured. Esc ends it"""
 
     @classmethod
     def hindrance(cls, context):
-        return "" if shelf.chosen(context) is not None else "Show the library first"
+        return "" if library_state.chosen(context) is not None else "Show the library first"
 
     def invoke(self, context, event):
         """Ask for the folder; the work goes on from there."""
@@ -34,24 +34,28 @@ Made spectral, they are what was measured. Esc ends it"""
         return operator.Long.invoke(self, context, event)
 
     def work(self, context):
-        from ..scene import assets
+        from ..scene.files import asset_library
 
         if not self.directory:
             raise InputError("the asset library", "has no folder", "choose one")
         own = context.window_manager.skylight_library
-        found, places = shelf.shown(own.search, own.order)
+        found, places = library_state.shown(own.search, own.order)
         wanted = [k for k in sorted(range(len(found)), key=places.__getitem__) if found[k]]
         if not wanted:
             raise InputError("the search", "finds nothing to write", "use fewer words")
-        chosen = shelf.library.only(wanted)
-        halves = [half[wanted] for half in (shelf.under_sky, shelf.daylight) if half is not None]
+        chosen = library_state.library.only(wanted)
+        halves = [
+            half[wanted]
+            for half in (library_state.under_sky, library_state.daylight)
+            if half is not None
+        ]
 
         def measured(material, number):
             material.skylight.kind = assign.kind(chosen.classes[number])
             material.skylight.column = chosen.names[number]
             material.skylight.filepath = chosen.paths[number]
 
-        return assets.write(
+        return asset_library.write(
             Path(bpy.path.abspath(self.directory)),
             chosen.names,
             chosen.classes,

@@ -6,7 +6,7 @@ from typing import Any
 
 import bpy
 
-from . import apply, choice, operator, shelf, targets
+from . import apply, choice, library_state, operator, targets
 
 
 class Assign(apply.Apply):
@@ -17,13 +17,13 @@ class Assign(apply.Apply):
 
     @classmethod
     def hindrance(cls, context):
-        if shelf.chosen(context) is None:
+        if library_state.chosen(context) is None:
             return "Show the library and choose a reflectance first"
         return cls.nothing_to_do(context)
 
     def run(self, context):
-        number = shelf.chosen(context)
-        found = shelf.library
+        number = library_state.chosen(context)
+        found = library_state.library
         self.filepath, self.column = found.paths[number], found.names[number]
         self.kind = kind(found.classes[number])
         return give(self, context)

@@ -7,7 +7,7 @@ from typing import Any
 import bpy
 
 from ..errors import InputError
-from . import choice, watch
+from . import choice, staleness_handlers
 
 
 def refresh(library: Any) -> list[tuple[str, str]]:
@@ -16,21 +16,21 @@ def refresh(library: Any) -> list[tuple[str, str]]:
     Materials keep their reflectances whatever became of the files. ``library``: a
     `spectra.library.Library`. Returns (level, line) pairs.
     """
-    from ..scene import materials
+    from ..scene.materials import spectral_material
 
-    managed = materials.managed_materials()
+    managed = spectral_material.managed_materials()
     lines = [("INFO", line) for material in managed if (line := _follow(material, library))]
     changed, lost = choice.changed_files(managed)
-    watch.found_files(changed)
+    staleness_handlers.found_files(changed)
     lines += [("WARNING", f"{material.name}: {line}") for material, line in changed.items()]
     return [*lines, *(("WARNING", line) for line in lost)]
 
 
 def _follow(material: bpy.types.Material, library: Any) -> str:
     """Choose what a material was given where the library has it now, if it is gone; say so."""
-    from ..scene import materials
+    from ..scene.materials import spectral_material
 
-    own, managed = material.skylight, materials.managed(material)
+    own, managed = material.skylight, spectral_material.managed(material)
     if managed is None or not own.filepath or own.kind != "REFLECTANCE":
         return ""
     try:
@@ -40,7 +40,7 @@ def _follow(material: bpy.types.Material, library: Any) -> str:
         pass
     try:
         number = library.hashes.index(managed.reflectance_hash)
-        materials.check_editable(material)
+        spectral_material.check_editable(material)
     except (ValueError, InputError):
         return ""
     own.filepath = library.paths[number]

@@ -36,21 +36,22 @@ class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
 
     def work(self, context):
         """The generator that bakes, as the properties say."""
-        from ..scene import bake, baking
+        from ..scene import baking
+        from ..scene.bake import scene_bake
 
         world = context.scene.world
         rays = max(32, self.rays // 32 * 32) if self.rays else None
-        chosen = bake.targets(self.selected)
+        chosen = scene_bake.targets(self.selected)
         settings = properties.settings_of(world)
         return baking.bake(world, settings, chosen, rays=rays, changed_only=self.changed)
 
     def finish(self, context, done):
         """Show bakes in the World, and light them by its sky."""
-        from ..scene import bake
+        from ..scene.bake import scene_bake
 
         ended = [("WARNING", "the bake was ended before it was done")]
         told = ended if done is None else [("INFO", line) for line in done]
-        if not bake.baked():
+        if not scene_bake.baked():
             return told
         context.scene.world.skylight.occlusion = "baked"
         return [*told, *update.SKYLIGHT_OT_update.run(self, context)]
@@ -66,15 +67,15 @@ class SKYLIGHT_OT_remove_bakes(operator.Thin, bpy.types.Operator):
 
     @classmethod
     def hindrance(cls, context):
-        from ..scene import bake
+        from ..scene.bake import scene_bake
 
-        return "" if bake.baked() else "No object is baked"
+        return "" if scene_bake.baked() else "No object is baked"
 
     def run(self, context):
-        from ..scene import bake
+        from ..scene.bake import scene_bake
 
         chosen = list(context.view_layer.objects.selected) if self.selected else None
-        return [("INFO", f"{bake.remove(chosen)} bake(s) are gone")]
+        return [("INFO", f"{scene_bake.remove(chosen)} bake(s) are gone")]
 
 
 CLASSES = (SKYLIGHT_OT_bake, SKYLIGHT_OT_remove_bakes)

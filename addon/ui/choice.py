@@ -57,28 +57,28 @@ def read(choice, material: bpy.types.Material, column: str = ""):
 
     ``choice``: the material's own properties, or an operator with a file; ``column`` goes first.
     """
-    from ..scene import given
+    from ..scene.materials import assignment
 
     absolute = material.skylight.absolute
     path = absolute(choice.filepath)
-    if choice.kind == given.METAL:
-        return given.read_metal(path)
+    if choice.kind == assignment.METAL:
+        return assignment.read_metal(path)
     unit = None if choice.unit == "AUTO" else choice.unit.lower()
-    faces = (1 + (choice.pane == "BLOCK")) if choice.kind == given.GLASS else 0
-    found = given.read(path, column or choice.column, unit, faces)
+    faces = (1 + (choice.pane == "BLOCK")) if choice.kind == assignment.GLASS else 0
+    found = assignment.read(path, column or choice.column, unit, faces)
     if choice.behind and not faces:
-        found = given.behind(
-            found, given.read(absolute(choice.behind), choice.behind_column, faces=1)
+        found = assignment.behind(
+            found, assignment.read(absolute(choice.behind), choice.behind_column, faces=1)
         )
     return found
 
 
 def of_scene(scene: bpy.types.Scene):
     """What is chosen for a scene's materials: each a `Given`, or the line why it cannot be read."""
-    from ..scene import eligible
+    from ..scene.materials import eligibility
 
     chosen = {}
-    for material in eligible.materials_of(scene):
+    for material in eligibility.materials_of(scene):
         if material.skylight.filepath:
             try:
                 chosen[material] = read(material.skylight, material)
@@ -92,15 +92,15 @@ def changed_files(materials) -> tuple[dict[bpy.types.Material, str], list[str]]:
 
     What was chosen anew and not applied yet is no change of the file.
     """
-    from ..scene import given
-    from ..scene import materials as managing
+    from ..scene.materials import assignment
+    from ..scene.materials import spectral_material as managing
 
     changed, lost = {}, []
     for material in materials:
         own, managed = material.skylight, managing.managed(material)
-        if managed is None or not own.filepath or own.kind != given.REFLECTANCE:
+        if managed is None or not own.filepath or own.kind != assignment.REFLECTANCE:
             continue
-        if managed.reflectance_name.partition(given.BEHIND)[0] != own.column:
+        if managed.reflectance_name.partition(assignment.BEHIND)[0] != own.column:
             continue
         try:
             found = read(own, material)

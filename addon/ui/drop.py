@@ -41,9 +41,9 @@ class SKYLIGHT_OT_drop_reflectance(apply.Apply, bpy.types.Operator):
 
     def invoke(self, context, event):
         """Look what is under the mouse; of many columns let one be chosen."""
-        from ..scene import pick
+        from . import under_mouse
 
-        found = pick.under_mouse(context, event.mouse_region_x, event.mouse_region_y)
+        found = under_mouse.under_mouse(context, event.mouse_region_x, event.mouse_region_y)
         if found is not None:
             self.object, self.slot = found[0].name, found[1]
         try:
@@ -74,13 +74,13 @@ class SKYLIGHT_OT_drop_reflectance(apply.Apply, bpy.types.Operator):
         return assign.give(self, context)
 
     def targets(self, context):
-        from ..scene import pick
+        from . import under_mouse
 
         obj = context.scene.objects.get(self.object) if not self.material else None
         if obj is None and not self.material and targets.active(context) is None:
             obj = context.view_layer.objects.active
         if obj is not None and hasattr(obj.data, "materials"):
-            return [pick.material_in(obj, self.slot, self.column)]
+            return [under_mouse.material_in(obj, self.slot, self.column)]
         return [targets.named(context, self.material)]
 
     def _kinds(self) -> dict[str, str]:

@@ -4,7 +4,7 @@
 
 import bpy
 
-from . import choice, operator, properties, watch
+from . import choice, operator, properties, staleness_handlers
 
 
 class SKYLIGHT_OT_make_spectral(operator.Long, bpy.types.Operator):
@@ -36,12 +36,12 @@ else by one restored from its base color. What cannot be is listed with the reas
     def finish(self, context, done):
         if done is None:
             return [("WARNING", "ended before it was done: the materials so far are spectral")]
-        from ..scene import stale
+        from ..scene import out_of_date
 
         lines = [("WARNING", r.line) for r in done.results if r.out_of_gamut]
-        if names := stale.look_at_bakes(context.scene):
+        if names := out_of_date.look_at_bakes(context.scene):
             lines.append(("WARNING", f"not baked, or changed since: {', '.join(names)}"))
-        watch.found_bakes()
+        staleness_handlers.found_bakes()
         lines += [("INFO", f"left alone: {name}: {why}") for name, why in done.left]
         return [*lines, ("INFO", operator.caption(context.scene.world)), ("INFO", done.line)]
 

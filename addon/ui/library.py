@@ -4,7 +4,7 @@
 
 import bpy
 
-from . import operator, preferences, readout, shelf, wheels
+from . import library_state, operator, panel_text, preferences, wheels
 
 ROWS = 8
 TOLD = 40
@@ -26,14 +26,14 @@ class SkylightSpectrum(bpy.types.PropertyGroup):
         name="Under This Sky",
         description="Its colour on level ground under this sky; a white diffuser has luminance 1",
         subtype="COLOR",
-        get=lambda self: shelf.colour(shelf.under_sky, self.number),
+        get=lambda self: library_state.colour(library_state.under_sky, self.number),
         set=lambda self, value: None,  # Blender draws a read-only colour dimmed: another colour
     )
     daylight: bpy.props.FloatVectorProperty(
         name="Under D65",
         description="Its colour under D65: what colour samples are compared in",
         subtype="COLOR",
-        get=lambda self: shelf.colour(shelf.daylight, self.number),
+        get=lambda self: library_state.colour(library_state.daylight, self.number),
         set=lambda self, value: None,
     )
 
@@ -57,7 +57,7 @@ class SKYLIGHT_UL_library(bpy.types.UIList):
     def draw_item(self, context, layout, data, item, icon, active_data, active_property):
         split = layout.split(factor=0.2)
         swatches = split.row(align=True)
-        if shelf.under_sky is not None:
+        if library_state.under_sky is not None:
             swatches.prop(item, "sky", text="")
         swatches.prop(item, "daylight", text="")
         split.label(text=item.name, translate=False)
@@ -66,7 +66,7 @@ class SKYLIGHT_UL_library(bpy.types.UIList):
         """Nothing: search and order stand above the list."""
 
     def filter_items(self, context, data, name):
-        found, places = shelf.shown(data.search, data.order)
+        found, places = library_state.shown(data.search, data.order)
         return [self.bitflag_filter_item if each else 0 for each in found], places
 
 
@@ -90,9 +90,9 @@ stays. Esc ends it"""
         if done is None:
             return [("WARNING", "ended before it was done: what was read is not read again")]
         own = context.window_manager.skylight_library
-        before = shelf.place(shelf.chosen(context))
-        shelf.put(done)
-        shelf.light(context)
+        before = library_state.place(library_state.chosen(context))
+        library_state.put(done)
+        library_state.light(context)
         own.spectra.clear()
         for number, name in enumerate(done.names):
             row = own.spectra.add()
@@ -115,7 +115,7 @@ class SKYLIGHT_OT_library_problems(bpy.types.Operator):
 
     def draw(self, context):
         """A line each."""
-        problems = shelf.library.problems if shelf.library is not None else ()
+        problems = library_state.library.problems if library_state.library is not None else ()
         for line in problems[:TOLD]:
             self.layout.label(text=line, translate=False)
         if len(problems) > TOLD:
@@ -123,7 +123,7 @@ class SKYLIGHT_OT_library_problems(bpy.types.Operator):
 
     def execute(self, context):
         """Tell them to the log."""
-        for line in shelf.library.problems if shelf.library is not None else ():
+        for line in library_state.library.problems if library_state.library is not None else ():
             self.report({"WARNING"}, line)
         return {"FINISHED"}
 
@@ -146,10 +146,10 @@ class SKYLIGHT_PT_library(bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         own = context.window_manager.skylight_library
-        number = shelf.chosen(context)
+        number = library_state.chosen(context)
         if number is None:
             text = "Colour checkers, and the measured materials in your folders"
-            readout.paragraph(layout, context, text)
+            panel_text.paragraph(layout, context, text)
             layout.operator("skylight.refresh_library", text="Show Library", icon="ASSET_MANAGER")
         else:
             _list(layout, context, own)
@@ -162,20 +162,20 @@ def _list(layout, context, own) -> None:
     row.prop(own, "search", text="", icon="VIEWZOOM")
     row.prop(own, "order", text="")
     row.operator("skylight.refresh_library", text="", icon="FILE_REFRESH")
-    lit = shelf.under_sky is not None
+    lit = library_state.under_sky is not None
     layout.label(text="This sky · D65" if lit else "D65: the World has no sky")
     layout.template_list("SKYLIGHT_UL_library", "", own, "spectra", own, "active", rows=ROWS)
-    if shelf.sky_key(context) != shelf.lit_by:
-        readout.paragraph(layout, context, "The sky has changed: refresh the swatches", "INFO")
+    if library_state.sky_key(context) != library_state.lit_by:
+        panel_text.paragraph(layout, context, "The sky has changed: refresh the swatches", "INFO")
 
 
 def _about(layout, context, number: int) -> None:
-    found = shelf.library
+    found = library_state.library
     box = layout.box()
-    readout.paragraph(box, context, found.names[number], "MATERIAL")
+    panel_text.paragraph(box, context, found.names[number], "MATERIAL")
     for line in (found.classes[number], found.sources[number]):
         if line:
-            readout.paragraph(box, context, line)
+            panel_text.paragraph(box, context, line)
     row = layout.row(align=True)
     row.operator("skylight.assign_to_active")
     row.operator("skylight.assign_to_selected")

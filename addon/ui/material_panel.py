@@ -3,24 +3,24 @@
 import bpy
 
 from ..errors import InputError
-from . import readout, targets, wheels
+from . import panel_text, targets, wheels
 
 
 def draw(layout, context, material) -> None:
     """Choose what a material is made of, apply and remove it, and read what it does."""
-    from ..scene import materials
+    from ..scene.materials import spectral_material
 
     try:
-        materials.check_editable(material)
+        spectral_material.check_editable(material)
     except InputError as error:
-        readout.paragraph(layout, context, str(error), "LIBRARY_DATA_DIRECT")
+        panel_text.paragraph(layout, context, str(error), "LIBRARY_DATA_DIRECT")
     else:
         _choose(layout, context, material)
-    readout.material(layout, context, material)
+    panel_text.material(layout, context, material)
 
 
 def _choose(layout, context, material) -> None:
-    from ..scene import materials
+    from ..scene.materials import spectral_material
 
     choice = material.skylight
     row = layout.row(align=True)
@@ -28,7 +28,7 @@ def _choose(layout, context, material) -> None:
     row.prop(choice, "filepath", text="", placeholder="Measured values (CSV)")
     row.operator("skylight.choose_reflectance", text="", icon="FILEBROWSER")
     if choice.problem:
-        readout.paragraph(layout, context, choice.problem, "ERROR")
+        panel_text.paragraph(layout, context, choice.problem, "ERROR")
     elif choice.filepath:
         _details(layout, choice)
     row = layout.row(align=True)
@@ -36,7 +36,7 @@ def _choose(layout, context, material) -> None:
         row.operator("skylight.apply")
     else:
         row.operator("skylight.estimate", text="Estimate")
-    if material in materials.ours():
+    if material in spectral_material.ours():
         row.operator("skylight.remove")
     row = layout.row(align=True)
     row.operator("skylight.apply_selected", text="To Selection")
@@ -95,7 +95,7 @@ class SKYLIGHT_PT_lamp(Properties, bpy.types.Panel):
         if light is None:
             return
         self.layout.prop(light.skylight, "spectrum")
-        readout.paragraph(self.layout, context, "Shows on spectral materials after Update")
+        panel_text.paragraph(self.layout, context, "Shows on spectral materials after Update")
 
 
 CLASSES = (SKYLIGHT_PT_material_properties, SKYLIGHT_PT_lamp)

@@ -10,7 +10,7 @@ from typing import Any
 import bpy
 
 from ..errors import InputError
-from . import watch, wheels
+from . import staleness_handlers, wheels
 
 
 class Thin:
@@ -42,7 +42,7 @@ class Thin:
         except InputError as error:
             self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
             return {"CANCELLED"}
-        watch.after(context)
+        staleness_handlers.after(context)
         for level, line in lines:
             self.report({level}, line)  # type: ignore[attr-defined]
         return {"FINISHED"}
@@ -76,9 +76,9 @@ class Long(Thin):
 
     def run(self, context: bpy.types.Context) -> Iterable[tuple[str, str]]:
         """Work to the end."""
-        from ..scene import bake
+        from ..scene.bake import scene_bake
 
-        return self.finish(context, bake.run(self.work(context)))
+        return self.finish(context, scene_bake.run(self.work(context)))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Start, and work on between events until done."""
@@ -133,7 +133,7 @@ class Long(Thin):
             lines = self.finish(context, done)
         except InputError as error:
             lines = [("ERROR", str(error))]
-        watch.after(context)
+        staleness_handlers.after(context)
         for level, line in lines:
             self.report({level}, line)  # type: ignore[attr-defined]
         return {"FINISHED"}
@@ -141,10 +141,10 @@ class Long(Thin):
 
 def no_sky(context: bpy.types.Context) -> str:
     """Why the scene has no sky, empty where it has a World."""
-    from ..scene import world
+    from ..scene.world import hdri
 
     try:
-        world.sky_of(context.scene.world)
+        hdri.sky_of(context.scene.world)
     except InputError as error:
         return str(error)
     return ""
@@ -152,9 +152,9 @@ def no_sky(context: bpy.types.Context) -> str:
 
 def caption(world: bpy.types.World) -> str:
     """What a picture under a World must say as long as not all light is in it."""
-    from ..scene import sky_light
+    from ..scene.world import light_group
 
-    found = sky_light.description_of(world)
+    found = light_group.description_of(world)
     return found["caption"] if found else ""
 
 

@@ -5,7 +5,7 @@ Sky · Materials · Result. What is rarely needed stands in a closed panel under
 
 import bpy
 
-from . import material_panel, readout, result, targets, wheels
+from . import material_panel, panel_text, result, targets, wheels
 
 
 class Sidebar:
@@ -60,7 +60,7 @@ class SKYLIGHT_PT_sky(Child, bpy.types.Panel):
         layout = self.layout
         layout.template_ID(context.scene, "world")
         layout.operator("skylight.load_sky", text="Load Sky HDRI...", icon="FILEBROWSER")
-        readout.sky(layout, context)
+        panel_text.sky(layout, context)
 
 
 class SKYLIGHT_PT_light(OfWorld, bpy.types.Panel):
@@ -81,7 +81,7 @@ class SKYLIGHT_PT_light(OfWorld, bpy.types.Panel):
             row.operator("skylight.bake")
             row.operator("skylight.remove_bakes", text="", icon="X")
         layout.prop(numbers, "ground")
-        readout.lights(layout, context)
+        panel_text.lights(layout, context)
 
 
 class SKYLIGHT_PT_numbers(OfWorld, bpy.types.Panel):
@@ -102,7 +102,7 @@ class SKYLIGHT_PT_numbers(OfWorld, bpy.types.Panel):
         layout.prop(numbers, "white_balanced")
         if numbers.white_balanced:
             layout.prop(numbers, "white")
-        readout.model(layout, context)
+        panel_text.model(layout, context)
 
 
 class SKYLIGHT_PT_materials(Child, bpy.types.Panel):
@@ -168,7 +168,7 @@ class SKYLIGHT_PT_exactness(OfWorld, bpy.types.Panel):
         layout.prop(numbers, "tolerance")
         layout.prop(numbers, "gloss")
         layout.operator("skylight.apply_all", text="Apply Chosen Files Only")
-        readout.paragraph(layout, context, "Changes show after Update")
+        panel_text.paragraph(layout, context, "Changes show after Update")
 
 
 class SKYLIGHT_PT_result(Child, bpy.types.Panel):

@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from ..errors import InputError
-from . import gallery, material_panel, panels, properties, readout, targets, wheels
+from . import material_panel, panel_text, panels, preview_cache, properties, targets, wheels
 
 ROWS = 30
 """Materials whose errors are shown as bars."""
@@ -22,9 +22,9 @@ class OfMaterial:
 
     @classmethod
     def poll(cls, context):
-        from ..scene import materials
+        from ..scene.materials import spectral_material
 
-        return not wheels.missing() and materials.is_managed(targets.active(context))
+        return not wheels.missing() and spectral_material.is_managed(targets.active(context))
 
 
 class Curve(OfMaterial):
@@ -33,19 +33,19 @@ class Curve(OfMaterial):
     bl_label = "Reflectance and Sky"
 
     def draw(self, context):
-        from ..scene import pictured
+        from ..scene import portraits
 
-        found = pictured.portrait(targets.active(context))
+        found = portraits.portrait(targets.active(context))
         if found is None:
             return
         _show(self.layout, context, found, "draw_curve")
         if found.estimated:
-            readout.paragraph(self.layout, context, "Estimated: nobody measured it", "INFO")
+            panel_text.paragraph(self.layout, context, "Estimated: nobody measured it", "INFO")
         elif found.measured is not None:
             low, high = found.measured
-            readout.paragraph(self.layout, context, f"Measured from {low:g} to {high:g} nm")
+            panel_text.paragraph(self.layout, context, f"Measured from {low:g} to {high:g} nm")
         if found.spectrum is None:
-            readout.paragraph(self.layout, context, "The sky's spectrum shows after Update")
+            panel_text.paragraph(self.layout, context, "The sky's spectrum shows after Update")
 
 
 class Matrix(OfMaterial):
@@ -54,13 +54,13 @@ class Matrix(OfMaterial):
     bl_label = "Matrix"
 
     def draw(self, context):
-        from ..scene import pictured
+        from ..scene import portraits
 
-        found = pictured.portrait(targets.active(context))
+        found = portraits.portrait(targets.active(context))
         if found is None:
             return
         _show(self.layout, context, found, "draw_matrix")
-        readout.paragraph(self.layout, context, "RGB × RGB knows the outlined diagonal alone")
+        panel_text.paragraph(self.layout, context, "RGB × RGB knows the outlined diagonal alone")
 
 
 class SKYLIGHT_PT_curve(Curve, panels.Sidebar, bpy.types.Panel):
@@ -96,16 +96,16 @@ class SKYLIGHT_PT_sky_map(panels.OfWorld, bpy.types.Panel):
     bl_order = 13
 
     def draw(self, context):
-        from ..scene import pictured
+        from ..scene import portraits
 
         world, theme = context.scene.world, _theme()
-        sky = pictured.sky_key(world)
+        sky = portraits.sky_key(world)
         if sky is None:
-            readout.paragraph(self.layout, context, "Shows once a material is spectral")
+            panel_text.paragraph(self.layout, context, "Shows once a material is spectral")
             return
         _picture(self.layout, context, (sky, theme), partial(_draw_sky, world.session_uid, theme))
         text = "Magenta is no light of sun and sky: leaves, walls, lamps, a tint"
-        readout.paragraph(self.layout, context, text)
+        panel_text.paragraph(self.layout, context, text)
 
 
 class SKYLIGHT_PT_errors(panels.Child, bpy.types.Panel):
@@ -117,16 +117,16 @@ class SKYLIGHT_PT_errors(panels.Child, bpy.types.Panel):
     bl_order = 33
 
     def draw(self, context):
-        from ..scene import pictured
+        from ..scene import portraits
 
-        rows = pictured.expected()
+        rows = portraits.expected()
         if not rows:
             self.layout.label(text="No material is spectral yet")
             return
         known = [value for _, *row in rows for value in row if math.isfinite(value)]
         longest = max([1.0, *known])
         text = "ΔE (CIEDE2000; 1 is just noticeable): RGB × RGB, then spectral"
-        readout.paragraph(self.layout, context, text)
+        panel_text.paragraph(self.layout, context, text)
         for name, today, ours in rows[:ROWS]:
             split = self.layout.split(factor=0.4)
             split.label(text=name)
@@ -169,11 +169,11 @@ def _show(layout, context, portrait, method: str) -> None:
 
 def _picture(layout, context, key, draw) -> None:
     """Show a picture as wide as the panel; a word where there is none yet."""
-    found = gallery.icon(key, draw)
+    found = preview_cache.icon(key, draw)
     if found:
         layout.template_icon(icon_value=found, scale=_scale(context))
-    elif gallery.problem(key):
-        readout.paragraph(layout, context, gallery.problem(key), "ERROR")
+    elif preview_cache.problem(key):
+        panel_text.paragraph(layout, context, preview_cache.problem(key), "ERROR")
     else:
         layout.label(text="Drawing...", icon="TIME")
 

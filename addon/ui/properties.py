@@ -51,13 +51,13 @@ def _file_changed(self, context) -> None:
 
 
 def _swatch(self) -> tuple[float, ...]:
-    from ..scene import swatch
+    from ..scene.materials import swatch
 
     return swatch.shown(*_colour(self.id_data))
 
 
 def _swatch_scale(self) -> float:
-    from ..scene import swatch
+    from ..scene.materials import swatch
 
     colour, white = _colour(self.id_data)
     return swatch.scale(colour, white) * (white or 1.0)
@@ -65,9 +65,9 @@ def _swatch_scale(self) -> float:
 
 def _colour(material) -> tuple[tuple[float, ...], float]:
     """A material's colour under its sky, and the luminance of white there."""
-    from ..scene import materials
+    from ..scene.materials import spectral_material
 
-    managed = materials.managed(material)
+    managed = spectral_material.managed(material)
     if managed is None:
         return (0.0,) * 3, 1.0
     return tuple(managed.extra.get("colour", (0.0,) * 3)), managed.extra.get("white", 1.0)
@@ -137,13 +137,13 @@ class SkylightReflectance(choice.Fields, bpy.types.PropertyGroup):
 
 def _stored(world) -> dict:
     """A World's settings; those that the panel starts with where it has none yet."""
-    from ..scene import settings
+    from ..scene.world import settings
 
     return settings.stored(world) or dict(START)
 
 
 def _store(world, **values) -> None:
-    from ..scene import settings
+    from ..scene.world import settings
 
     settings.store(world, {**_stored(world), **values})
 
@@ -172,18 +172,18 @@ def _stored_bool(key: str, default: bool, **described: str):
 
 
 def _spectrum(self) -> str:
-    from ..scene import lamps
+    from ..scene.lights import user_lamps
 
-    return self.id_data.get(lamps.SPECTRUM, "")
+    return self.id_data.get(user_lamps.SPECTRUM, "")
 
 
 def _set_spectrum(self, value: str) -> None:
-    from ..scene import lamps
+    from ..scene.lights import user_lamps
 
     if value.strip():
-        self.id_data[lamps.SPECTRUM] = value.strip()
-    elif lamps.SPECTRUM in self.id_data:
-        del self.id_data[lamps.SPECTRUM]
+        self.id_data[user_lamps.SPECTRUM] = value.strip()
+    elif user_lamps.SPECTRUM in self.id_data:
+        del self.id_data[user_lamps.SPECTRUM]
 
 
 class SkylightLamp(bpy.types.PropertyGroup):
@@ -290,7 +290,7 @@ class SkylightNumbers(bpy.types.PropertyGroup):
 
 def settings_of(world: bpy.types.World):
     """The `scene.settings.Settings` that a World's panel shows."""
-    from ..scene.settings import Settings
+    from ..scene.world.settings import Settings
 
     stored = {key: value for key, value in _stored(world).items() if value is not None}
     if stored.get("camera", "").startswith("//"):

@@ -11,12 +11,12 @@ class Remove(operator.Thin):
     """What the three operators share. The chosen file stays with the material, to apply again."""
 
     def run(self, context):
-        from ..scene import materials
+        from ..scene.materials import spectral_material
 
-        ours = materials.ours()
+        ours = spectral_material.ours()
         found, lines = targets.editable(m for m in self.targets(context) if m in ours)
         for material in found:
-            materials.remove(material)
+            spectral_material.remove(material)
         return [*lines, ("INFO", f"{len(found)} material(s) are as they were before")]
 
 
@@ -40,9 +40,9 @@ class SKYLIGHT_OT_remove_selected(Remove, bpy.types.Operator):
 
     @classmethod
     def hindrance(cls, context):
-        from ..scene import materials
+        from ..scene.materials import spectral_material
 
-        found = set(materials.ours()) & set(targets.selected(context))
+        found = set(spectral_material.ours()) & set(targets.selected(context))
         return "" if found else "No selected object has a spectral material"
 
     def targets(self, context):
@@ -57,14 +57,14 @@ class SKYLIGHT_OT_remove_all(Remove, bpy.types.Operator):
 
     @classmethod
     def hindrance(cls, context):
-        from ..scene import materials
+        from ..scene.materials import spectral_material
 
-        return "" if materials.ours() else "No material of the file is spectral"
+        return "" if spectral_material.ours() else "No material of the file is spectral"
 
     def targets(self, context):
-        from ..scene import materials
+        from ..scene.materials import spectral_material
 
-        return materials.ours()
+        return spectral_material.ours()
 
 
 CLASSES = (SKYLIGHT_OT_remove, SKYLIGHT_OT_remove_selected, SKYLIGHT_OT_remove_all)

@@ -6,8 +6,8 @@ import math
 
 import bpy
 
-from . import watch
-from .readout import paragraph
+from . import staleness_handlers
+from .panel_text import paragraph
 
 ROWS = 50
 """Materials that the table shows: a panel is drawn anew whenever the mouse moves over it."""
@@ -15,13 +15,14 @@ ROWS = 50
 
 def summary(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """How many materials are spectral, in one line."""
-    from ..scene import materials, nodes, textures
+    from ..scene.blend_data import nodes
+    from ..scene.materials import base_color, spectral_material
 
-    names = [m[nodes.MANAGED].get("reflectance") for m in materials.ours()]
+    names = [m[nodes.MANAGED].get("reflectance") for m in spectral_material.ours()]
     if not names:
         layout.label(text="No material is spectral yet", icon="INFO")
         return
-    guessed = names.count(textures.ESTIMATED)
+    guessed = names.count(base_color.ESTIMATED)
     layout.label(
         text=f"{len(names)} spectral: {len(names) - guessed} measured, {guessed} estimated"
     )
@@ -29,17 +30,19 @@ def summary(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 def problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """What needs the person: nothing where all is well."""
-    from ..scene import stale
+    from ..scene import out_of_date
 
-    for material in (found := watch.stale_materials())[:ROWS]:
-        paragraph(layout, context, f"{material.name}: {watch.stale(material)}", "ERROR")
+    for material in (found := staleness_handlers.stale_materials())[:ROWS]:
+        paragraph(
+            layout, context, f"{material.name}: {staleness_handlers.stale(material)}", "ERROR"
+        )
     if found:
         paragraph(layout, context, "Make Everything Spectral takes that up")
-    if names := stale.unbaked(context.scene):
+    if names := out_of_date.unbaked(context.scene):
         text = f"not baked, or changed since: {_some(names)}"
         paragraph(layout, context, text, "ERROR")
         layout.operator("skylight.bake")
-    elif watch.moved() and stale.are_shown(context.scene):
+    elif staleness_handlers.moved() and out_of_date.are_shown(context.scene):
         paragraph(layout, context, "Objects have changed since: Update finds old bakes", "INFO")
 
 
@@ -61,9 +64,9 @@ def left(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 def before_after(layout: bpy.types.UILayout) -> None:
     """The button that shows RGB times RGB; red as long as that shows."""
-    from ..scene import before
+    from ..scene.materials import rgb_comparison
 
-    shown = bool(before.shown_now())
+    shown = bool(rgb_comparison.shown_now())
     row = layout.row()
     row.alert = shown
     text = "Back to Spectral" if shown else "Compare: RGB × RGB"
@@ -76,13 +79,13 @@ def before_after(layout: bpy.types.UILayout) -> None:
 
 def view(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """Which view transform is on, whether it is fit to judge colours, and the white."""
-    from ..scene import view
+    from ..scene.world import view_transform
 
-    fit, line = view.transform_line(context.scene)
+    fit, line = view_transform.transform_line(context.scene)
     paragraph(layout, context, line, "CHECKMARK" if fit else "INFO")
     if not fit:
         paragraph(layout, context, "To judge colors: Standard, in Render › Color Management")
-    on = view.KEPT in context.scene
+    on = view_transform.KEPT in context.scene
     text = "White as It Was" if on else "Neutral White of This Sky"
     button = layout.operator("skylight.neutral_white", text=text, depress=on)
     button.on = not on
@@ -90,10 +93,10 @@ def view(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 def caption(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """What light is in the picture."""
-    from ..scene import sky_light
+    from ..scene.world import light_group
 
     world = context.scene.world
-    found = None if world is None else sky_light.description_of(world)
+    found = None if world is None else light_group.description_of(world)
     if found is None:
         layout.label(text="Nothing is spectral under this sky yet")
         return
@@ -103,9 +106,9 @@ def caption(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 def table(layout: bpy.types.UILayout) -> None:
     """A row for each spectral material of the file."""
-    from ..scene import materials
+    from ..scene.materials import spectral_material
 
-    found = materials.ours()
+    found = spectral_material.ours()
     if not found:
         layout.label(text="No material is spectral yet")
         return
@@ -119,15 +122,19 @@ def table(layout: bpy.types.UILayout) -> None:
 
 def row(layout: bpy.types.UILayout, shown: bpy.types.Material) -> None:
     """One material: its colour under the sky, what it is, its errors, and what is to be known."""
-    from ..scene import materials, optics, textures
+    from ..scene.materials import base_color, glass_and_metal, spectral_material
 
-    managed = materials.managed(shown)
+    managed = spectral_material.managed(shown)
     if managed is None:
-        pane = optics.pane_node(shown) is not None
-        text = optics.pane_of(shown)[0] if pane else "its nodes are gone: remove and apply it anew"
+        pane = glass_and_metal.pane_node(shown) is not None
+        text = (
+            glass_and_metal.pane_of(shown)[0]
+            if pane
+            else "its nodes are gone: remove and apply it anew"
+        )
         layout.label(text=f"{shown.name}: {text}", icon="MATFLUID" if pane else "ERROR")
         return
-    estimated = managed.reflectance_name == textures.ESTIMATED
+    estimated = managed.reflectance_name == base_color.ESTIMATED
     layout.prop(shown.skylight, "swatch", text="")
     name = "estimated" if estimated else managed.reflectance_name
     layout.label(text=f"{shown.name}: {name}", icon="QUESTION" if estimated else "NONE")
@@ -136,7 +143,7 @@ def row(layout: bpy.types.UILayout, shown: bpy.types.Material) -> None:
     text = " → ".join("?" if not math.isfinite(e) else f"{e:.1f}" for e in errors)
     if extra["out_of_gamut"]:
         text += ", clamped"
-    layout.label(text=f"ΔE {text}", icon="ERROR" if watch.stale(shown) else "NONE")
+    layout.label(text=f"ΔE {text}", icon="ERROR" if staleness_handlers.stale(shown) else "NONE")
 
 
 def _some(names: list[str]) -> str:

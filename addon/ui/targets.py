@@ -17,10 +17,10 @@ def active(context: bpy.types.Context) -> bpy.types.Material | None:
 
 def named(context: bpy.types.Context, name: str) -> bpy.types.Material:
     """The material of this name, the active one where it is empty; InputError without."""
-    from ..scene import files
+    from ..scene.files import blend_file
 
     if name:
-        return files.material(name)
+        return blend_file.material(name)
     material = active(context)
     if material is None:
         raise InputError("the scene", "has no active material", "select an object with a material")
@@ -29,9 +29,9 @@ def named(context: bpy.types.Context, name: str) -> bpy.types.Material:
 
 def selected(context: bpy.types.Context) -> list[bpy.types.Material]:
     """The materials of the selected objects, each once."""
-    from ..scene import materials
+    from ..scene.materials import spectral_material
 
-    return materials.materials_of(context.view_layer.objects.selected)
+    return spectral_material.materials_of(context.view_layer.objects.selected)
 
 
 def editable(
@@ -41,13 +41,13 @@ def editable(
 
     Raises InputError where none is left of some.
     """
-    from ..scene import materials
+    from ..scene.materials import spectral_material
 
     kept: list[bpy.types.Material] = []
     skipped: list[InputError] = []
     for material in found:
         try:
-            materials.check_editable(material)
+            spectral_material.check_editable(material)
         except InputError as error:
             skipped.append(error)
         else:

@@ -2,7 +2,7 @@
 
 import bpy
 
-from . import choice, operator, properties, targets, watch
+from . import choice, operator, properties, staleness_handlers, targets
 
 
 class SKYLIGHT_OT_update(operator.Thin, bpy.types.Operator):
@@ -14,13 +14,13 @@ bakes and base colors have changed since"""
 
     @classmethod
     def hindrance(cls, context):
-        from ..scene import materials
+        from ..scene.materials import spectral_material
 
         nothing = "No material is spectral yet: make some so first"
-        return operator.no_sky(context) or ("" if materials.ours() else nothing)
+        return operator.no_sky(context) or ("" if spectral_material.ours() else nothing)
 
     def run(self, context):
-        from ..scene import spectral, stale
+        from ..scene import out_of_date, spectral
 
         world = context.scene.world
         kept, lines = targets.editable(spectral.in_scene(context.scene))
@@ -29,12 +29,12 @@ bakes and base colors have changed since"""
         light, results = spectral.update(world, settings, kept)
         lines += [("WARNING", r.line) for r in results if r.out_of_gamut]
         changed, gone = choice.changed_files(kept)
-        watch.found_files(changed)
+        staleness_handlers.found_files(changed)
         lines += [("WARNING", f"{material.name}: {line}") for material, line in changed.items()]
         lines += [("INFO", line) for line in gone]
-        if names := stale.look_at_bakes(context.scene):
+        if names := out_of_date.look_at_bakes(context.scene):
             lines.append(("WARNING", f"not baked, or changed since: {', '.join(names)}"))
-        watch.found_bakes()
+        staleness_handlers.found_bakes()
         count = f"{len(results)} material(s) follow {light.name}"
         return [*lines, ("INFO", count), ("INFO", operator.caption(world))]
 

@@ -83,19 +83,19 @@ change, so that the view follows at once"""
 
     @classmethod
     def hindrance(cls, context):
-        from ..scene import materials, owned
+        from ..scene.materials import saved_settings, spectral_material
 
-        found = materials.ours()
+        found = spectral_material.ours()
         if not found:
             return "No material is spectral yet"
-        known = any(owned.OTHER in material for material in found)
+        known = any(saved_settings.OTHER in material for material in found)
         return "" if known else "An earlier version kept no RGB × RGB: press Update first"
 
     def run(self, context):
-        from ..scene import before
+        from ..scene.materials import rgb_comparison
 
-        rgb = not before.shown_now() if self.show == "TOGGLE" else self.show == "BEFORE"
-        count = before.show(rgb)
+        rgb = not rgb_comparison.shown_now() if self.show == "TOGGLE" else self.show == "BEFORE"
+        count = rgb_comparison.show(rgb)
         if rgb:
             return [("WARNING", f"{count} material(s) show RGB × RGB: renders would too")]
         return [("INFO", f"{count} material(s) show spectral colors again")]
@@ -112,23 +112,27 @@ as it was. Scene-linear values, as in EXR, stay as they are"""
 
     @classmethod
     def hindrance(cls, context):
-        from ..scene import view
+        from ..scene.world import view_transform
 
-        return "" if view.KEPT in context.scene else view.hindrance(context.scene, _level(context))
+        return (
+            ""
+            if view_transform.KEPT in context.scene
+            else view_transform.hindrance(context.scene, _level(context))
+        )
 
     def run(self, context):
-        from ..scene import view
+        from ..scene.world import view_transform
 
         if self.on:
-            return [("INFO", view.neutral(context.scene, _level(context)))]
-        view.give_back(context.scene)
+            return [("INFO", view_transform.neutral(context.scene, _level(context)))]
+        view_transform.give_back(context.scene)
         return [("INFO", "the view's white is as it was")]
 
 
 def _level(context):
-    from ..scene import sky_light
+    from ..scene.world import light_group
 
-    return (sky_light.description_of(context.scene.world) or {}).get("level")
+    return (light_group.description_of(context.scene.world) or {}).get("level")
 
 
 CLASSES = (SKYLIGHT_OT_show_in_viewport, SKYLIGHT_OT_before_after, SKYLIGHT_OT_neutral_white)

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import bpy
 
-from . import readout
+from . import panel_text
 
 NEEDED = {"colour": "colour-science", "scipy": "scipy", "OpenEXR": "OpenEXR"}
 """Module and what pip and people call it."""
@@ -73,7 +73,7 @@ def _found(module: str) -> bool:
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """The sentence, and where no zip fits the button that copies the command."""
-    readout.paragraph(layout, context, missing(), "ERROR")
+    panel_text.paragraph(layout, context, missing(), "ERROR")
     if command():
         layout.operator("skylight.copy_command", icon="COPYDOWN")
 

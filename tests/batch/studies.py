@@ -29,7 +29,7 @@ def write_scene(path: Path, cameras: int = 1, **scene_settings) -> Path:
     """Save a scene under sky.exr: a wall before cameras named View 1, View 2 …; Cycles, fast."""
     import bpy
 
-    from spectral_skylight.addon.scene import world as worlds
+    from spectral_skylight.addon.scene.world import hdri as worlds
     from spectral_skylight.tests import faces
 
     scene = faces.empty_scene()

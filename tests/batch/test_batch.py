@@ -16,8 +16,9 @@ import pytest
 
 from spectral_skylight.addon import cli
 from spectral_skylight.addon.batch import plan
-from spectral_skylight.addon.scene import picture_file, render_task, world_pixels
-from spectral_skylight.addon.scene import world as worlds
+from spectral_skylight.addon.scene.output import image_file, render_task
+from spectral_skylight.addon.scene.world import hdri as worlds
+from spectral_skylight.addon.scene.world import panorama
 from spectral_skylight.tests.batch.studies import (
     NOON,
     write_inputs,
@@ -62,12 +63,12 @@ def pictures(office, out):
 @pytest.fixture(scope="module")
 def alone(office):
     """All eight pictures by one worker, with how many skies were analysed; report and output."""
-    count, real = [], world_pixels.analyse
-    world_pixels.analyse = lambda *given, **named: count.append(1) or real(*given, **named)
+    count, real = [], panorama.analyse
+    panorama.analyse = lambda *given, **named: count.append(1) or real(*given, **named)
     try:
         code = cli.main(["batch", "run", study(office, "alone"), "--workers", "1"])
     finally:
-        world_pixels.analyse = real
+        panorama.analyse = real
     assert code == 0
     return office / "alone", len(count)
 
@@ -79,7 +80,7 @@ def test_all_pictures_are_there_and_say_what_they_are(alone, office):
     found = pictures(office, "alone")
     assert len(found) == 16
     for task in tasks(office, "alone"):
-        assert picture_file.whole(folder / task.exr, 16, 16, task.key)
+        assert image_file.whole(folder / task.exr, 16, 16, task.key)
     assert "house_grey_2025-06-21_1200/house_grey_2025-06-21_1200_View 2_0001.exr" in found
     assert len({content for name, content in found.items() if name.endswith(".exr")}) == 8
     report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
@@ -151,7 +152,7 @@ def test_a_second_run_mends_what_is_not_whole(alone, office, capsys):
     second.write_bytes(third.read_bytes())
     third.with_suffix(".png").write_bytes(b"")
     fourth.unlink()
-    leftover = picture_file.part_of(fourth)
+    leftover = image_file.part_of(fourth)
     leftover.touch()
     assert cli.main(["batch", "run", str(office / "alone" / "plan.jsonl"), "--workers", "2"]) == 0
     assert "4 rendered, 4 were there, 0 failed" in capsys.readouterr().out

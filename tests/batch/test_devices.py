@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from spectral_skylight.addon.scene.render_task import choose_gpu
+from spectral_skylight.addon.scene.output.render_task import choose_gpu
 
 
 class Preferences:

@@ -10,7 +10,7 @@ import pytest
 from spectral_skylight.addon.batch.task import Task, task_of
 from spectral_skylight.addon.batch.worker import ANSWER, Worker, blender_command
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import render_task
+from spectral_skylight.addon.scene.output import render_task
 
 BLENDER = f"""#!{sys.executable}
 import json, os, subprocess, sys, time

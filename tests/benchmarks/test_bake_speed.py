@@ -6,7 +6,7 @@ By Blender's own caster 160, which are 314 where all points see an edge of the s
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import rays, visibility
+from spectral_skylight.addon.scene.bake import raycast, visibility
 
 pytestmark = pytest.mark.slow
 
@@ -25,14 +25,14 @@ def town(count=200):
     places = corners * size[:, None] + middle[:, None]
     triangles = places[:, cut].reshape(-1, 3, 3).astype(np.float32)
     none = np.zeros(len(triangles), np.int32)
-    return rays.Occluders(triangles, np.zeros(3), none, ["Town"], none, [""])
+    return raycast.Occluders(triangles, np.zeros(3), none, ["Town"], none, [""])
 
 
 @pytest.mark.parametrize(
     "slow, rays_each", [(False, 256), (True, 160)], ids=["embreex", "mathutils"]
 )
 def test_a_hundred_thousand_vertices(benchmark, slow, rays_each):
-    if not slow and not rays.fast():
+    if not slow and not raycast.fast():
         pytest.skip("embreex is not installed")
     scene = town()
     rng = np.random.default_rng(1)

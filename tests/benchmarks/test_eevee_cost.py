@@ -6,17 +6,17 @@
 import bpy
 import pytest
 
-from spectral_skylight.addon.scene import cost
+from spectral_skylight.addon.scene.output import eevee_cost
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 
 
 def test_sample_cost(benchmark, capsys):
-    """Figures, no limits. What `addon.scene.cost` makes for it is gone afterwards."""
+    """Figures, no limits. What `addon.scene.output.eevee_cost` makes for it is gone afterwards."""
     timed = not benchmark.disabled
     given = {} if timed else {"size": 32, "samples": (1, 2), "rounds": 1}
     before = [len(data) for data in (bpy.data.scenes, bpy.data.materials, bpy.data.objects)]
-    costs = benchmark.pedantic(lambda: list(cost.sample_costs(**given))[-1])
+    costs = benchmark.pedantic(lambda: list(eevee_cost.sample_costs(**given))[-1])
     if timed:
         with capsys.disabled():
             print(f"\nBlender {bpy.app.version_string}: one sample, the least of all rounds")
@@ -27,6 +27,6 @@ def test_sample_cost(benchmark, capsys):
                     f"{one.wall_ratio:.3f} and {one.ratio:.3f} of Diffuse"
                 )
     others = {"Diffuse", "Principled", "Emission", "irradiance texture"}
-    assert set(costs) == {*others, cost.OURS, *cost.LIT}
+    assert set(costs) == {*others, eevee_cost.OURS, *eevee_cost.LIT}
     assert costs["Diffuse"].ratio == costs["Diffuse"].wall_ratio == 1.0
     assert before == [len(data) for data in (bpy.data.scenes, bpy.data.materials, bpy.data.objects)]

@@ -49,7 +49,7 @@ def use(archive, sky, paints, answer):
         bpy.ops.skylight.apply(material=name, filepath=paints, column=name)
     scene_file = Path(answer).with_suffix(".blend")
     bpy.ops.wm.save_as_mainfile(filepath=str(scene_file))
-    materials = importlib.import_module(MODULE + ".addon.scene.materials")
+    materials = importlib.import_module(MODULE + ".addon.scene.materials.spectral_material")
     wheels = importlib.import_module(MODULE + ".addon.ui.wheels")
     matrices = {
         name: [list(row) for row in materials.managed(bpy.data.materials[name]).matrix]

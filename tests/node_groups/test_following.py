@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from mathutils import Euler
 
-from spectral_skylight.addon.scene import materials, sky_light
+from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.addon.sky.polynomial import evaluate_polynomial
 from spectral_skylight.tests import faces
 
@@ -33,9 +34,11 @@ def expected(normals=NORMALS, turn=(0.0, 0.0, 0.0), inverse=False):
 def scene(tmp_path):
     scene = faces.empty_scene()
     world = faces.light(scene, tmp_path)
-    sky_light.set_coefficients(world, COEFFICIENTS)
+    light_group.set_coefficients(world, COEFFICIENTS)
     material = bpy.data.materials.new("Matt")
-    materials.apply(material, world, np.eye(3), reflectance_name="one", reflectance_hash="0")
+    spectral_material.apply(
+        material, world, np.eye(3), reflectance_name="one", reflectance_hash="0"
+    )
     return scene
 
 
@@ -80,7 +83,7 @@ def test_turn_means_what_it_means_to_the_background(scene, tmp_path, vector_type
     mapping = scene.world.node_tree.nodes["Mapping"]
     mapping.vector_type = vector_type
     mapping.inputs["Rotation"].default_value = TURN
-    sky_light.ensure(scene.world)
+    light_group.ensure(scene.world)
     pixels = faces.seen(scene, tmp_path, len(NORMALS), "cycles")
     turned = expected(turn=TURN, inverse=vector_type == "TEXTURE")
     np.testing.assert_allclose(pixels, turned, rtol=CYCLES)
@@ -92,9 +95,9 @@ def test_world_in_another_name_and_without_mapping(scene, tmp_path):
     scene.world.name = 'A "sky" of \\ ours'
     tree.nodes["Background"].name = 'The "light" \\'
     tree.nodes["Mapping"].inputs["Rotation"].default_value = TURN
-    sky_light.ensure(scene.world)
+    light_group.ensure(scene.world)
     tree.nodes.remove(tree.nodes["Mapping"])
-    surface = sky_light.ensure(scene.world)
+    surface = light_group.ensure(scene.world)
     tree.nodes['The "light" \\'].inputs["Strength"].default_value = 3.0
     assert len(bpy.data.node_groups) == 3 and len(surface.animation_data.drivers) == 1
     pixels = faces.seen(scene, tmp_path, len(NORMALS), "cycles")

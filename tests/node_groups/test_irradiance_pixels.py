@@ -4,7 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import materials, sky_light
+from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.addon.sky.irradiance import (
     exact_irradiance,
     fit_coefficients,
@@ -29,7 +30,7 @@ def lit(tmp_path_factory):
     world = faces.light(scene, folder)
     material = bpy.data.materials.new("Matt")
     faces.add_faces(scene, NORMALS).material_slots[0].material = material
-    materials.apply(material, world, MATRIX, reflectance_name="test", reflectance_hash="0")
+    spectral_material.apply(material, world, MATRIX, reflectance_name="test", reflectance_hash="0")
     return scene, world, folder
 
 
@@ -44,7 +45,7 @@ def assert_shows(pixels, expected):
 def test_every_degree_of_a_made_up_sky(lit, degree):
     scene, world, folder = lit
     coefficients = fit_coefficients(faces.smooth_sky(degree), degree).coefficients
-    sky_light.set_coefficients(world, coefficients)
+    light_group.set_coefficients(world, coefficients)
     expected = evaluate_polynomial(coefficients, NORMALS) @ MATRIX.T
     assert_shows(faces.seen(scene, folder, len(NORMALS)), expected)
 
@@ -54,7 +55,7 @@ def test_each_coefficient_lies_where_its_name_says(lit):
     scene, world, folder = lit
     coefficients = np.random.default_rng(5).uniform(-0.1, 0.1, (49, 3))
     coefficients[0] = 3.0
-    sky_light.set_coefficients(world, coefficients)
+    light_group.set_coefficients(world, coefficients)
     expected = evaluate_polynomial(coefficients, NORMALS) @ MATRIX.T
     assert_shows(faces.seen(scene, folder, len(NORMALS)), expected)
 
@@ -62,7 +63,7 @@ def test_each_coefficient_lies_where_its_name_says(lit):
 def test_cycles_shows_the_same(lit):
     scene, world, folder = lit
     coefficients = fit_coefficients(faces.smooth_sky(7), 6).coefficients
-    sky_light.set_coefficients(world, coefficients)
+    light_group.set_coefficients(world, coefficients)
     expected = evaluate_polynomial(coefficients, NORMALS) @ MATRIX.T
     pixels = faces.seen(scene, folder, len(NORMALS), "cycles")
     # Nothing bounces between isolated faces, so there is no noise: float32 sums of 49 terms only.
@@ -72,12 +73,12 @@ def test_cycles_shows_the_same(lit):
 def test_real_skies(lit, shared_data, capsys):
     """Measured skies: the polynomial to 0.2 %, exact irradiance to what the fit announced."""
     scene, world, folder = lit
-    materials.update(bpy.data.materials["Matt"], np.eye(3))
+    spectral_material.update(bpy.data.materials["Matt"], np.eye(3))
     table = []
     for path in sorted((shared_data / "hdri").rglob("*.[eh][xd]r")):
         sky, _ = separate_sun(read_panorama(path).rgb)
         fit = fit_coefficients(sky)
-        sky_light.set_coefficients(world, fit.coefficients)
+        light_group.set_coefficients(world, fit.coefficients)
         pixels = faces.seen(scene, folder, len(NORMALS))
         assert_shows(pixels, evaluate_polynomial(fit.coefficients, NORMALS))
         luminance = np.array([0.2126, 0.7152, 0.0722])
@@ -88,7 +89,7 @@ def test_real_skies(lit, shared_data, capsys):
         # `said` was measured in other directions, so it may miss the peak of the error by a little.
         assert left.mean() < 1.1 * said.mean + 0.002
         assert left.max() < 1.1 * said.worst + 0.002
-    materials.update(bpy.data.materials["Matt"], MATRIX)
+    spectral_material.update(bpy.data.materials["Matt"], MATRIX)
     with capsys.disabled():
         print("\nsky, degree, mean and worst luminance error rendered, and as the fit announced")
         for name, degree, *errors in table:

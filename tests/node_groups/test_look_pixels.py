@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import nodes
+from spectral_skylight.addon.scene.blend_data import nodes
 from spectral_skylight.node_groups import glazing, gloss, spectral_texture
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import faces

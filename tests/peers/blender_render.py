@@ -17,10 +17,10 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from spectral_skylight.addon.scene import render as renderer
 from spectral_skylight.addon.scene import spectral
-from spectral_skylight.addon.scene import world as worlds
-from spectral_skylight.addon.transfer.evaluation import colorchecker
+from spectral_skylight.addon.scene.output import render as renderer
+from spectral_skylight.addon.scene.world import hdri as worlds
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.transfer.prediction import rgb_albedo
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import faces

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.sensitivities import cmfs, observer
-from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.measures import to_Lab
 
 

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_skylight.addon.sky.panorama import write_panorama
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.sensitivities import observer
-from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.tests.peers import scene
 from spectral_skylight.tests.peers.peer import ANSWERS, ask

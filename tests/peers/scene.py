@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from spectral_skylight.addon.sky.irradiance import exact_irradiance
 from spectral_skylight.addon.sky.panorama import directions
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.sensitivities import observer
-from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.tests.peers.peer import ask
 
 SUN_ELEVATION = 20.0

@@ -13,11 +13,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from spectral_skylight.addon.evaluation.evaluation import evaluate
 from spectral_skylight.addon.sky.atmosphere import Atmosphere
 from spectral_skylight.addon.sky.simulation import Quality, simulate
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.sunlight import extraterrestrial_sunlight
-from spectral_skylight.addon.transfer.evaluation import colorchecker, evaluate
 from spectral_skylight.tests.peers import differences
 from spectral_skylight.tests.peers.conditions import (
     CONDITIONS,

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from spectral_skylight.addon.evaluation.evaluation import evaluate
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.sensitivities import observer
-from spectral_skylight.addon.transfer.evaluation import colorchecker, evaluate
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.tests.peers import renderers, scene
 from spectral_skylight.tests.peers.peer import MISSING, PYTHON

@@ -11,15 +11,11 @@ import OpenEXR
 import pytest
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import (
-    nodes,
-    sky_texture,
-    spectral,
-    world_bake,
-    world_pixels,
-)
-from spectral_skylight.addon.scene import world as worlds
-from spectral_skylight.addon.scene.settings import Settings, stored
+from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon.scene.world import capture, panorama, sky_texture
+from spectral_skylight.addon.scene.world import hdri as worlds
+from spectral_skylight.addon.scene.world.settings import Settings, stored
 from spectral_skylight.addon.sky.irradiance import exact_irradiance
 from spectral_skylight.addon.sky.light import FACES
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
@@ -52,7 +48,7 @@ def world_of(scene, *kinds):
 
 
 def baked(scene):
-    pixels, _ = world_bake.bake(scene.world, worlds.sky_of(scene.world))
+    pixels, _ = capture.bake(scene.world, worlds.sky_of(scene.world))
     return pixels
 
 
@@ -240,7 +236,7 @@ def test_sky_textures_light_as_cycles_has_them(scene, tmp_path, kind):
     sky.sky_type = kind
     sky.sun_direction = (0.4, -0.5, 0.6)
     sky.sun_elevation, sky.sun_rotation = math.radians(38.0), math.radians(130.0)
-    found = world_pixels.light_of(scene.world, OBSERVER)
+    found = panorama.light_of(scene.world, OBSERVER)
     total = light_on(found.sky)
     if kind in sky_texture.WITH_DISC:
         assert found.sun.elevation == pytest.approx(38.0, abs=0.35)
@@ -270,7 +266,7 @@ def test_plain_colours_and_worlds_without_nodes(scene):
     background.inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
     scene.world = bpy.data.worlds["Mine"]
     with pytest.raises(InputError, match='World "Mine": is black all over'):
-        world_pixels.light_of(scene.world, OBSERVER)
+        panorama.light_of(scene.world, OBSERVER)
 
 
 def test_what_has_not_changed_is_not_baked_again(scene, tmp_path, monkeypatch):
@@ -279,7 +275,7 @@ def test_what_has_not_changed_is_not_baked_again(scene, tmp_path, monkeypatch):
     tree.links.new(ramp.outputs[0], background.inputs["Color"])
     renders = []
     blank = np.ones((256, 512, 3), np.float32)
-    monkeypatch.setattr(world_bake, "_render", lambda *given: (renders.append(given), blank)[1])
+    monkeypatch.setattr(capture, "_render", lambda *given: (renders.append(given), blank)[1])
 
     def again():
         before = len(renders)
@@ -321,12 +317,12 @@ def test_a_sequence_is_that_of_the_frame_and_bytes_are_told(scene, tmp_path):
     texture.image.source = "SEQUENCE"
     texture.image_user.frame_duration, texture.image_user.use_auto_refresh = 2, True
     scene.frame_set(2)
-    light = world_pixels.light_of(scene.world, OBSERVER)
+    light = panorama.light_of(scene.world, OBSERVER)
     np.testing.assert_allclose(light.faces, 0.5, rtol=1e-3)
     assert any("its light is that of frame 2" in note for note in light.notes)
     texture.image = bpy.data.images.new("Bytes", 8, 4)
     texture.image.generated_color = (1.0, 1.0, 1.0, 1.0)
-    light = world_pixels.light_of(scene.world, OBSERVER)
+    light = panorama.light_of(scene.world, OBSERVER)
     np.testing.assert_allclose(light.faces, 1.0, rtol=1e-3)
     assert any("8 bits a channel" in note for note in light.notes)
 
@@ -379,7 +375,7 @@ def test_a_file_with_a_sky_texture_from_the_command_line(scene, tmp_path):
     assert cli.main([*given, "--ground", "hdri", "--out", out]) == 0
     bpy.ops.wm.open_mainfile(filepath=out)
     scene = bpy.context.scene
-    found = world_pixels.light_of(scene.world, OBSERVER)
+    found = panorama.light_of(scene.world, OBSERVER)
     sun = np.maximum(NORMALS @ found.sun.direction, 0.0)[:, None] * found.sun.irradiance
     expected = evaluate_polynomial(found.fit.coefficients, NORMALS) + sun
     background = scene.world.node_tree.nodes["Background"]

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import bake, bake_mesh
+from spectral_skylight.addon.scene.bake import scene_bake, storage
 from spectral_skylight.node_groups import sky_bake
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import faces
@@ -28,10 +28,10 @@ def test_a_bake_is_gone_without_a_trace_and_never_touches_the_mesh():
     obj = box("Wall", (0, 0, 1), (2, 2, 2), made_of)
     ground(5, made_of)
     before = as_bytes(obj.data), as_json()
-    bake.run(bake.bake(rays=64))
+    scene_bake.run(scene_bake.bake(rays=64))
     assert as_bytes(obj.data) == before[0]
-    assert len(bake.baked()) == 2
-    assert bake.remove() == 2
+    assert len(scene_bake.baked()) == 2
+    assert scene_bake.remove() == 2
     assert (as_bytes(obj.data), as_json()) == before
 
 
@@ -47,38 +47,38 @@ def test_stale_after_a_move_and_only_what_it_concerns():
     made_of = material()
     near = [box(f"Near {n}", (4 * n, 0, 1), (1, 1, 2), made_of) for n in range(2)]
     far = box("Far", (3000, 0, 1), (1, 1, 2), made_of)
-    assert set(bake.stale()) == {*near, far}
-    bake.run(bake.bake(rays=64))
-    assert bake.stale() == []
+    assert set(scene_bake.stale()) == {*near, far}
+    scene_bake.run(scene_bake.bake(rays=64))
+    assert scene_bake.stale() == []
     near[0].location.y += 0.01
-    assert set(bake.stale()) == set(near)
+    assert set(scene_bake.stale()) == set(near)
     # Only what changed is baked again, and then nothing is.
-    assert bake.run(bake.bake(rays=64)) == ["2 object(s) baked"]
-    assert bake.run(bake.bake(rays=64)) == ["0 object(s) baked"]
+    assert scene_bake.run(scene_bake.bake(rays=64)) == ["2 object(s) baked"]
+    assert scene_bake.run(scene_bake.bake(rays=64)) == ["0 object(s) baked"]
     # What is hidden hides no sky.
     near[0].hide_render = True
-    assert bake.stale() == [near[1]]
+    assert scene_bake.stale() == [near[1]]
 
 
 def test_cancelling_leaves_the_object_at_work_as_without_a_bake():
     faces.empty_scene()
     made_of = material()
     boxes = [box(f"Box {n}", (4 * n, 0, 1), (1, 1, 2), made_of) for n in range(2)]
-    work = bake.bake(rays=64)
+    work = scene_bake.bake(rays=64)
     done = [next(work)]
     while done[-1].done < 0.75:
         done.append(next(work))
     work.close()
-    assert [bake_mesh.bake_of(obj) is not None for obj in boxes] == [True, False]
-    assert [bake_mesh.modifier_of(obj) is not None for obj in boxes] == [True, False]
+    assert [storage.bake_of(obj) is not None for obj in boxes] == [True, False]
+    assert [storage.modifier_of(obj) is not None for obj in boxes] == [True, False]
     assert [p.done for p in done] == sorted(p.done for p in done)
-    assert boxes[0] not in bake.stale()
+    assert boxes[0] not in scene_bake.stale()
 
 
 def test_an_edited_mesh_falls_back_to_the_open_sky_where_it_was_edited():
     faces.empty_scene()
     obj = box("Wall", (0, 0, 1), (2, 2, 2), material())
-    bake.run(bake.bake(rays=64))
+    scene_bake.run(scene_bake.bake(rays=64))
     assert np.all(flags(obj))
     obj.data.vertices[7].co.z += 0.1
     obj.data.update()
@@ -95,7 +95,7 @@ def test_an_edited_mesh_falls_back_to_the_open_sky_where_it_was_edited():
 def test_a_bake_survives_saving_purging_and_loading(tmp_path):
     faces.empty_scene()
     obj = box("Wall", (0, 0, 1), (2, 2, 2), material())
-    bake.run(bake.bake(rays=64))
+    scene_bake.run(scene_bake.bake(rays=64))
     values, _ = sky_share(obj)
     bpy.ops.outliner.orphans_purge(do_recursive=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "baked.blend"))
@@ -104,14 +104,14 @@ def test_a_bake_survives_saving_purging_and_loading(tmp_path):
     obj = bpy.data.objects["Wall"]
     assert np.all(flags(obj))
     np.testing.assert_array_equal(sky_share(obj)[0], values)
-    assert bake.stale() == []
+    assert scene_bake.stale() == []
     # A copy shares the bake until it gets its own; taking that away leaves the first one's.
     twin = obj.copy()
     twin.location.x = 5.0
     bpy.context.scene.collection.objects.link(twin)
     bpy.context.view_layer.update()
-    assert set(bake.stale()) == {obj, twin}
-    bake.run(bake.bake([twin], rays=64))
-    assert bake_mesh.bake_of(twin) != bake_mesh.bake_of(obj)
-    assert bake.remove([twin]) == 1
+    assert set(scene_bake.stale()) == {obj, twin}
+    scene_bake.run(scene_bake.bake([twin], rays=64))
+    assert storage.bake_of(twin) != storage.bake_of(obj)
+    assert scene_bake.remove([twin]) == 1
     assert np.all(flags(obj))

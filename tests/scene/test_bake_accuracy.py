@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import bake, bake_mesh
+from spectral_skylight.addon.scene.bake import scene_bake, storage
 from spectral_skylight.addon.sky.harmonics import KEYS, fit_sky, rotate
 from spectral_skylight.node_groups import sky_visibility
 from spectral_skylight.tests import faces
@@ -75,7 +75,7 @@ def baked_light(objects, fit, turn=0.0, keep=lambda place, normal: True, count=1
     places, normals, harmonics, total = [], [], [], []
     for obj in objects:
         mesh = obj.evaluated_get(depsgraph).data
-        fine = bake_mesh.read(mesh)
+        fine = storage.read(mesh)
         read = {
             name: colours(mesh, name) for name in sorted(mesh.attributes.keys()) if "light_" in name
         }
@@ -130,13 +130,13 @@ def test_against_brute_force(boxes, size, keep, capsys):
     faces.empty_scene()
     made_of = material()
     objects = [ground(size, made_of), *(box(f"Wall {n}", *b, made_of) for n, b in enumerate(boxes))]
-    assert bake.run(bake.bake()) == [f"{len(objects)} object(s) baked"]
+    assert scene_bake.run(scene_bake.bake()) == [f"{len(objects)} object(s) baked"]
     tree = sky_visibility.ensure()
     table, seen = [], None
     for elevation, azimuth, turn in ((40, 0.5, 0.0), (15, 2.0, 0.0), (25, -1.0, 0.8)):
         sky = clear_sky(math.radians(elevation), azimuth)
         fit = fit_sky(sky, 16)
-        bake.light(tree, sky, fit, turn)
+        scene_bake.light(tree, sky, fit, turn)
         places, normals, harmonics, total = baked_light(objects, fit, turn, keep)
         assert len(places) > 200
         # The sky that a turn of the Mapping shows: L(R d) is the sky turned back by as much.

@@ -5,8 +5,9 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from spectral_skylight.addon.scene import bake, bake_mesh, instances, spectral
-from spectral_skylight.addon.scene import render as renders
+from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene.bake import instance_proxies, scene_bake, storage
+from spectral_skylight.addon.scene.output import render as renders
 from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.node_groups import sky_visibility
 from spectral_skylight.node_groups import tree as groups
@@ -70,19 +71,19 @@ def test_ordinary_architecture():
     collapsed = shown("Collapsed", [(70, 0, 3)] * 3, [(0, 1, 2)], made_of)
     bpy.context.view_layer.update()
     before = {obj.name: as_bytes(obj.data) for obj in bpy.data.objects if obj.type == "MESH"}
-    lines = bake.run(bake.bake(rays=256))
+    lines = scene_bake.run(scene_bake.bake(rays=256))
     assert lines[-1].endswith("object(s) baked")
     assert any('"Nothing"' in line for line in lines)
     assert any('"Flattened"' in line for line in lines)
     assert len(lines) <= 4, lines
     baked = [house, twin, roof, rows, concave, smooth, sign]
-    assert set(bake.baked()) >= set(baked)
-    assert collapsed in bake.baked() or any('"Collapsed"' in line for line in lines)
+    assert set(scene_bake.baked()) >= set(baked)
+    assert collapsed in scene_bake.baked() or any('"Collapsed"' in line for line in lines)
     for obj in baked:
         if obj.type == "MESH":
             assert np.all(flags(obj)), obj.name
     assert {name: as_bytes(bpy.data.objects[name].data) for name in before} == before
-    stale = set(bake.stale())
+    stale = set(scene_bake.stale())
     assert not stale & set(baked)
     # An open roof sees all of the sky, an open wall half of it: 256 rays err by less than 1 %.
     share, normals = sky_share(house)
@@ -166,9 +167,9 @@ def test_instances_of_collections_each_see_their_own_sky():
     before, picture = everything(), shown_places()
     meshes = {mesh.name: mesh for mesh in bpy.data.meshes}
     bytes_before = {name: as_bytes(mesh) for name, mesh in meshes.items()}
-    assert {obj.name for obj in bake.targets()} == {"Free", "Roofed", "Roof"}
-    assert bake.run(bake.bake(rays=64)) == ["5 object(s) baked"]
-    there = {root.name: instances.stand_ins(root) for root in (free, roofed)}
+    assert {obj.name for obj in scene_bake.targets()} == {"Free", "Roofed", "Roof"}
+    assert scene_bake.run(scene_bake.bake(rays=64)) == ["5 object(s) baked"]
+    there = {root.name: instance_proxies.stand_ins(root) for root in (free, roofed)}
     for each in (*there["Free"], *there["Roofed"]):
         assert np.all(flags(each)), each.name
     # A roof over one of them.
@@ -178,16 +179,16 @@ def test_instances_of_collections_each_see_their_own_sky():
         up[name] = share[normals[:, 2] > 0.9].mean()
     assert up["Free"] == pytest.approx(1.0, abs=0.02) and up["Roofed"] < 0.3
     # The picture shows the same: other instances stay, the cutter hidden, the lamp lit.
-    bake.remove()
+    scene_bake.remove()
     assert shown_places() == picture
-    bake.run(bake.bake(rays=64))
+    scene_bake.run(scene_bake.bake(rays=64))
     assert shown_places() == picture
     lamps = [i for i in bpy.context.evaluated_depsgraph_get().object_instances
              if i.object.type == "LIGHT"]  # fmt: skip
     assert len(lamps) == 2
-    assert bake.stale() == []
+    assert scene_bake.stale() == []
     # What moves, with its Empty or in the collection, is open again; what is added shows.
-    moved = next(o for o in instances.stand_ins(free) if "House" in o.name)
+    moved = next(o for o in instance_proxies.stand_ins(free) if "House" in o.name)
     here = sky_visibility.mark(moved.matrix_world)
     free.location.y += 0.3
     bpy.context.view_layer.update()
@@ -202,17 +203,17 @@ def test_instances_of_collections_each_see_their_own_sky():
         each.objects.unlink(more)
     estate.objects.link(more)
     bpy.context.view_layer.update()
-    assert {free, roofed} <= set(bake.stale())
-    bake.run(bake.bake([free], rays=64))
-    assert len(instances.stand_ins(free)) == 3
+    assert {free, roofed} <= set(scene_bake.stale())
+    scene_bake.run(scene_bake.bake([free], rays=64))
+    assert len(instance_proxies.stand_ins(free)) == 3
     estate.objects.unlink(more)
     bpy.data.objects.remove(more)
     bpy.data.meshes.remove(bpy.data.meshes["More"])
-    bake.remove()
+    scene_bake.remove()
     assert everything() == before
     assert {name: as_bytes(mesh) for name, mesh in meshes.items()} == bytes_before
     # Whoever ends the work has the instances back.
-    work = bake.bake([free], rays=64)
+    work = scene_bake.bake([free], rays=64)
     next(work)
     work.close()
     assert everything() == before
@@ -226,8 +227,8 @@ def test_instances_by_geometry_nodes_bring_their_materials():
     rows.data.materials.clear()
     rows.modifiers.new("Instances", "NODES").node_group = instancing(made_of)
     shown("Roof", [(8, -9, 4), (50, -9, 4), (50, 9, 4), (8, 9, 4)], [(3, 2, 1, 0)], made_of)
-    assert bake.run(bake.bake(rays=64)) == ["2 object(s) baked"]
-    assert np.all(flags(rows)) and bake.stale() == []
+    assert scene_bake.run(scene_bake.bake(rays=64)) == ["2 object(s) baked"]
+    assert np.all(flags(rows)) and scene_bake.stale() == []
     share, normals = sky_share(rows)
     mesh = rows.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     x = np.array([mesh.vertices[loop.vertex_index].co.x for loop in mesh.loops])
@@ -247,7 +248,7 @@ def test_glass_and_what_casts_no_shadow_let_the_sky_through():
     cover = shown("Cover", [(-9, -9, 1), (9, -9, 1), (9, 9, 1), (-9, 9, 1)], [(0, 1, 2, 3)], glass)
 
     def share():
-        bake.run(bake.bake([floor], rays=64, changed_only=False))
+        scene_bake.run(scene_bake.bake([floor], rays=64, changed_only=False))
         return sky_share(floor)[0].mean()
 
     assert share() == pytest.approx(1.0, abs=0.01)
@@ -265,9 +266,9 @@ def test_the_foot_of_a_wall_casts_no_shadow_inside_out():
     made_of = material()
     floor = ground(20, made_of)
     box("House", (0.13, 0.07, 1), (4, 4, 2), made_of)
-    bake.run(bake.bake([floor], rays=256))
+    scene_bake.run(scene_bake.bake([floor], rays=256))
     mesh = floor.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    fine = bake_mesh.read(mesh)
+    fine = storage.read(mesh)
     number, channel = sky_visibility.PLACES[0, 0]
     share = colours(mesh, sky_visibility.attribute(number))[:, channel] / 0.28209479
     middles = fine.mean(fine.places[fine.point])
@@ -298,7 +299,7 @@ def test_a_single_wall_has_light_on_its_back(tmp_path):
     scene.render.resolution_x = scene.render.resolution_y = 8
     settings = spectral.Settings(ground="none", occlusion="baked", tolerance=None)
     spectral.make_spectral(world, {paint: ("half", np.full(81, 0.5))}, settings)
-    assert bake.run(bake.bake(rays=1024))[-1] == "2 object(s) baked"
+    assert scene_bake.run(scene_bake.bake(rays=1024))[-1] == "2 object(s) baked"
     spectral.update(world, settings)
     seen = []
     for x in (0.0, 60.0):

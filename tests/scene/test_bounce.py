@@ -4,7 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import bake, bake_mesh, bounce, nodes
+from spectral_skylight.addon.scene.bake import interreflection, scene_bake, storage
+from spectral_skylight.addon.scene.blend_data import nodes
 from spectral_skylight.node_groups import modifiers, sky_visibility
 from spectral_skylight.tests import faces
 
@@ -32,8 +33,8 @@ def corner():
     floor = shown("Floor", [(0, -6, 0), (6, -6, 0), (6, 6, 0), (0, 6, 0)])
     wall = shown("Wall", [(0, -WALL, 0), (0, WALL, 0), (0, WALL, WALL), (0, -WALL, WALL)])
     shown("Post", [(6, 0.5, 0), (6, -0.5, 0), (6, -0.5, 1), (6, 0.5, 1)])
-    bake.run(bake.bake(rays=1024))
-    work, sun = bounce.bounce(sun=np.array([1.0, 0.0, 1.0]), rays=1024), []
+    scene_bake.run(scene_bake.bake(rays=1024))
+    work, sun = interreflection.bounce(sun=np.array([1.0, 0.0, 1.0]), rays=1024), []
     while True:
         try:
             sun.append(next(work))
@@ -43,9 +44,9 @@ def corner():
 
 def stored(obj, place):
     """A channel of the bake's points, and where they are."""
-    bake_object = bake_mesh.bake_of(obj)
-    points = bake_mesh.points_of(obj)
-    values = bake_mesh.read_attribute(bake_object, sky_visibility.attribute(place[0]), points)
+    bake_object = storage.bake_of(obj)
+    points = storage.points_of(obj)
+    values = storage.read_attribute(bake_object, sky_visibility.attribute(place[0]), points)
     places = np.empty(3 * len(bake_object.data.vertices), np.float32)
     bake_object.data.vertices.foreach_get("co", places)
     return values[:, place[1]], places.reshape(-1, 3)[:points]
@@ -81,7 +82,7 @@ def test_neighbours_by_the_light_they_send(corner):
     assert found["Floor"].first == "Wall"
     assert found["Floor"].others == {"Post": pytest.approx(1.0)}
     assert found["Wall"].first == "Floor"
-    assert bounce.neighbours() == found
+    assert interreflection.neighbours() == found
     assert np.all(np.diff(progress) > -1e-9)
     assert progress[-1] <= 1.0
 
@@ -90,18 +91,18 @@ def test_the_object_shows_the_bounce_and_its_flag(corner):
     floor, *_ = corner
     mesh = floor.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     assert {sky_visibility.attribute(number) for number in range(10)} <= set(mesh.attributes.keys())
-    assert modifiers.get_input(bake_mesh.modifier_of(floor), "Bounce")
+    assert modifiers.get_input(storage.modifier_of(floor), "Bounce")
     flag, _ = stored(floor, sky_visibility.BAKED)
     assert np.all(flag >= 1.0)
-    assert bake.stale() == []
+    assert scene_bake.stale() == []
 
 
 def test_a_sun_that_has_moved_makes_it_stale(corner):
     at = np.array([1.0, 0.0, 1.0])
-    assert not bounce.is_stale(2.0 * at)
+    assert not interreflection.is_stale(2.0 * at)
     # 1 and 6 degrees away: a few minutes, and half an hour.
-    assert not bounce.is_stale(at + np.array([0.0, 0.025, 0.0]))
-    assert bounce.is_stale(at + np.array([0.0, 0.15, 0.0]))
-    assert bounce.is_stale(None)
-    list(bounce.bounce(sun=None, rays=32))
-    assert not bounce.is_stale(None) and bounce.is_stale(at)
+    assert not interreflection.is_stale(at + np.array([0.0, 0.025, 0.0]))
+    assert interreflection.is_stale(at + np.array([0.0, 0.15, 0.0]))
+    assert interreflection.is_stale(None)
+    list(interreflection.bounce(sun=None, rays=32))
+    assert not interreflection.is_stale(None) and interreflection.is_stale(at)

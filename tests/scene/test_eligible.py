@@ -3,7 +3,7 @@
 import bpy
 import pytest
 
-from spectral_skylight.addon.scene import eligible
+from spectral_skylight.addon.scene.materials import eligibility
 
 pytestmark = pytest.mark.blender
 
@@ -85,7 +85,7 @@ def empty():
 
 def test_each_kind_of_shader():
     for k, (make, why) in enumerate(CASES):
-        found = eligible.reason(make())
+        found = eligibility.reason(make())
         assert bool(found) == bool(why) and why in found, (k, found)
 
 
@@ -93,26 +93,26 @@ def test_a_group_without_a_colour_tells_none():
     made = grouped("BsdfDiffuse")
     tree = made.node_tree.nodes["Group"].node_tree
     tree.interface.remove(tree.interface.items_tree["Color"])
-    assert "tells no base colour" in eligible.reason(made)
+    assert "tells no base colour" in eligibility.reason(made)
 
 
 def test_a_muted_emission_shines_not():
     made = material("BsdfDiffuse", mixed="Emission")
     made.node_tree.nodes["Emission"].mute = True
-    assert eligible.reason(made) == ""
+    assert eligibility.reason(made) == ""
 
 
 def test_a_material_without_nodes_has_its_viewport_colour():
     made = bpy.data.materials.new("Plain")
     if bpy.app.version < (5, 0, 0):
         assert not made.use_nodes
-    assert eligible.reason(made) == ""
+    assert eligibility.reason(made) == ""
 
 
 def test_grease_pencil_is_none():
     made = bpy.data.materials.new("Ink")
     bpy.data.materials.create_gpencil_data(made)
-    assert "Grease Pencil" in eligible.reason(made)
+    assert "Grease Pencil" in eligibility.reason(made)
 
 
 def test_materials_inside_instanced_collections_are_the_scenes():
@@ -124,7 +124,7 @@ def test_materials_inside_instanced_collections_are_the_scenes():
     instance = bpy.data.objects.new("Wood", None)
     instance.instance_type, instance.instance_collection = "COLLECTION", forest
     scene.collection.objects.link(instance)
-    assert eligible.materials_of(scene) == [mesh.materials[0]]
+    assert eligibility.materials_of(scene) == [mesh.materials[0]]
 
 
 def test_materials_that_geometry_nodes_set_are_the_scenes():
@@ -144,4 +144,4 @@ def test_materials_that_geometry_nodes_set_are_the_scenes():
     wall = bpy.data.objects.new("Wall", mesh)
     wall.modifiers.new("Paint", "NODES").node_group = tree
     scene.collection.objects.link(wall)
-    assert eligible.materials_of(scene) == [paint.inputs["Material"].default_value]
+    assert eligibility.materials_of(scene) == [paint.inputs["Material"].default_value]

@@ -8,8 +8,11 @@ import OpenEXR
 import pytest
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import lamps, lights, materials, sky_light, spectral, textures
-from spectral_skylight.addon.scene import render as renders
+from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene.lights import lighting, user_lamps
+from spectral_skylight.addon.scene.materials import base_color, spectral_material
+from spectral_skylight.addon.scene.output import render as renders
+from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 from spectral_skylight.addon.spectra.sensitivities import observer
 
@@ -66,7 +69,7 @@ def test_a_live_dome_darkens_beside_a_wall(stage):
     # The polynomial leaves 0.5 % at a horizon as hard as this one's.
     np.testing.assert_allclose(free[50], transfer.matrices(RHO) @ light.faces[0], rtol=0.01)
     _, shaded = shoot(stage, "eevee", occlusion="dome", ground="hdri")
-    assert "live" in sky_light.description_of(stage[0].world)["caption"]
+    assert "live" in light_group.description_of(stage[0].world)["caption"]
     for x in (34, 40, 48, 60):
         expected = 1.0 - (1.0 - math.cos(math.atan2(3.0, X[x]))) / 2.0  # of an even sky
         # What the wall hides is darker than the zenith here, by up to a tenth of all light.
@@ -89,7 +92,7 @@ def test_lamps_by_two_spectra(stage, tidy):
     for name, x, spectrum in (("Warm", 2.0, "2700K"), ("Tube", 3.0, "FL11")):
         light = bpy.data.lights.new(name, "POINT")
         light.energy = 100.0
-        light[lamps.SPECTRUM] = spectrum
+        light[user_lamps.SPECTRUM] = spectrum
         lamp = bpy.data.objects.new(name, light)
         lamp.location = (x, 0.0, 1.0)
         scene.collection.objects.link(lamp)
@@ -99,7 +102,7 @@ def test_lamps_by_two_spectra(stage, tidy):
     for x in (44, 52, 60):
         expected = np.zeros(3)
         for at, name in ((2.0, "2700K"), (3.0, "FL11")):
-            spectrum = lamps.lamp_spectrum(name)
+            spectrum = user_lamps.lamp_spectrum(name)
             # A point lamp of 100 W: 100 / (4 pi^2) radiance of a white face at a distance of 1.
             irradiance = 100 / (4 * math.pi**2) / ((X[x] - at) ** 2 + 1.0) ** 1.5
             expected += irradiance * observer() @ (RHO * spectrum)
@@ -107,7 +110,7 @@ def test_lamps_by_two_spectra(stage, tidy):
         np.testing.assert_allclose(lit[x] - dark[x], expected, rtol=0.025)
         # Cycles takes the first lamp's reflectance for both: some per cent, in blue a seventh.
         np.testing.assert_allclose(cycles[x] - dark[x], expected, rtol=0.2)
-    bpy.data.objects["Warm"].data[lamps.SPECTRUM] = "no such lamp"
+    bpy.data.objects["Warm"].data[user_lamps.SPECTRUM] = "no such lamp"
     with pytest.raises(InputError, match="no such lamp"):
         shoot(stage, "eevee")
     bpy.data.objects["Warm"].hide_render = bpy.data.objects["Tube"].hide_render = True
@@ -123,7 +126,7 @@ def test_the_ground_of_the_choice(stage):
     try:
         for ground, upward in (("hdri", 1.0), ("none", 0.0)):
             light, seen = shoot(stage, "eevee", ground=ground)
-            found = lights.find(light, spectral.Settings().transfer(light), ground=ground)
+            found = lighting.find(light, spectral.Settings().transfer(light), ground=ground)
             down = np.array([0.1, 0.15, 0.05]) * upward
             reflected = found.reflected(RHO)["Ground"]
             # 0.004: what a polynomial of degree 6 leaves of nothing where the horizon is hard.
@@ -139,7 +142,7 @@ def test_the_ground_of_the_choice(stage):
 def test_a_texture_carries_the_spectrum(stage):
     scene, folder, _ = stage
     material = bpy.data.materials["Floor"]
-    materials.remove(material)
+    spectral_material.remove(material)
     material.use_nodes = True
     tree = material.node_tree
     image = bpy.data.images.new("Texture", 64, 1, float_buffer=True)
@@ -151,11 +154,11 @@ def test_a_texture_carries_the_spectrum(stage):
     shader = tree.nodes["Principled BSDF"]
     tree.links.new(node.outputs[0], shader.inputs["Base Color"])
     # One whose every pixel is the mean: exactly the measured reflectance.
-    mean = textures.mean_colour(node.outputs[0])
+    mean = base_color.mean_colour(node.outputs[0])
     np.testing.assert_allclose(mean, ramp[:, :3].mean(axis=0), rtol=1e-5)
     light, seen = shoot(stage, "eevee", rho=GREEN, ground="hdri")
     transfer = spectral.Settings().transfer(light)
-    varied = textures.varied(material, "test", GREEN)
+    varied = base_color.varied(material, "test", GREEN)
     np.testing.assert_allclose(mean @ varied, GREEN, atol=1e-9)
     for x in (40, 50, 60):
         rho = ramp[x, :3] @ varied
@@ -163,14 +166,14 @@ def test_a_texture_carries_the_spectrum(stage):
             seen[x], transfer.matrices(rho) @ light.faces[0], rtol=0.02, atol=1e-3
         )
     # Nobody measured it: the texture is all there is.
-    given = {material: (textures.ESTIMATED, textures.estimated(material))}
+    given = {material: (base_color.ESTIMATED, base_color.estimated(material))}
     spectral.make_spectral(scene.world, given, spectral.Settings(ground="hdri"))
     exr, _ = renders.render(scene, folder / "estimated.exr", engine="eevee")
     seen = next(iter(OpenEXR.File(str(exr)).channels().values())).pixels[8, :, :3]
     for x in (40, 60):
-        rho = ramp[x, :3] @ textures.basis()
+        rho = ramp[x, :3] @ base_color.basis()
         np.testing.assert_allclose(
             seen[x], transfer.matrices(rho) @ light.faces[0], rtol=0.02, atol=1e-3
         )
-    materials.remove(material)
+    spectral_material.remove(material)
     assert not bpy.data.node_groups

@@ -4,7 +4,9 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import look, materials, nodes, sky_light
+from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon.scene.materials import shader_rewrite, spectral_material
+from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.node_groups import gloss, spectral_texture
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import faces
@@ -19,7 +21,7 @@ def empty():
 
 
 def surface_group(colour=(1.0, 1.0, 1.0)):
-    """A surface that emits one colour: sockets as `look.dress` wants them, and nothing else."""
+    """A surface that emits one colour: with the sockets that `shader_rewrite.dress` wants."""
 
     def build(tree):
         emission = groups.add(tree, "ShaderNodeEmission", (*colour, 1.0)).outputs[0]
@@ -56,11 +58,11 @@ def put(material, **settings):
     """Dress the material and plug it in; return its look, its surface and what was plugged."""
     tree = material.node_tree
     surface = groups.add(tree, "ShaderNodeGroup", node_tree=surface_group())
-    surface[look.OURS] = "surface"
+    surface[shader_rewrite.OURS] = "surface"
     output = tree.nodes["Output"].inputs["Surface"]
-    old = look.read(nodes.source(output))
-    tops = look.dress(material, surface, old, **settings)
-    assert tops == look.tops(tree, surface)
+    old = shader_rewrite.read(nodes.source(output))
+    tops = shader_rewrite.dress(material, surface, old, **settings)
+    assert tops == shader_rewrite.tops(tree, surface)
     tree.links.new(tops["Shader"], output)
     return old, surface, tops
 
@@ -68,7 +70,7 @@ def put(material, **settings):
 def take_off(material, plugged):
     """Remove what was added, and plug the old shader in again."""
     tree = material.node_tree
-    for node in [n for n in tree.nodes if look.OURS in n]:
+    for node in [n for n in tree.nodes if shader_rewrite.OURS in n]:
         tree.nodes.remove(node)
     tree.links.new(plugged, tree.nodes["Output"].inputs["Surface"])
 
@@ -146,7 +148,7 @@ def test_a_principled_keeps_its_values_links_and_motion():
     np.testing.assert_allclose(node.inputs["Metal Edge"].default_value[:3], (0.9, 0.8, 0.7))
     assert surface.inputs["Normal"].links[0].from_node.name == "Bump"
     assert not surface.inputs["Alpha"].is_linked and surface.inputs["Alpha"].default_value == 1.0
-    texture = look.texture_node(material)
+    texture = shader_rewrite.texture_node(material)
     assert texture.inputs["Color"].links[0].from_node.name == "Reroute" and old.colour
     for name in spectral_texture.OUTPUTS:
         assert surface.inputs[name].links[0].from_node == texture
@@ -167,7 +169,7 @@ def test_a_principled_keeps_its_values_links_and_motion():
         ({}, gloss.GLOSS),
         ({"Metallic": 1.0}, gloss.METAL),
         ({"Metallic": 0.3}, gloss.MIXED),
-        ({"Specular_IOR_Level": 0.0}, look.MATT),
+        ({"Specular_IOR_Level": 0.0}, shader_rewrite.MATT),
         ({"Specular_IOR_Level": 0.0, "Coat_Weight": 0.1}, gloss.GLOSS),
         ({"Specular_IOR_Level": 0.0, "Emission_Strength": 0.1}, gloss.GLOSS),
     ],
@@ -177,22 +179,22 @@ def test_the_least_that_shows_it_all(values, kind):
     old, surface, tops = put(material_with("BsdfPrincipled", **values))
     assert old.kind == kind and old.left_out == ()
     node = tops["Shader"].node
-    assert node == surface if kind == look.MATT else node.node_tree[groups.KIND] == kind
+    assert node == surface if kind == shader_rewrite.MATT else node.node_tree[groups.KIND] == kind
 
 
 @pytest.mark.parametrize(
     ("shader", "values", "kind", "words"),
     [
-        ("BsdfDiffuse", {}, look.MATT, ()),
+        ("BsdfDiffuse", {}, shader_rewrite.MATT, ()),
         ("BsdfGlossy", {"Color": (0.2, 0.5, 0.7, 1.0), "Anisotropy": 0.3}, gloss.METAL, ()),
         ("BsdfMetallic", {"Base_Color": (0.2, 0.5, 0.7, 1.0), "Anisotropy": 0.3}, gloss.METAL, ()),
-        ("BsdfSheen", {}, look.MATT, ("what Sheen BSDF adds to a matt surface",)),
+        ("BsdfSheen", {}, shader_rewrite.MATT, ("what Sheen BSDF adds to a matt surface",)),
         ("BsdfPrincipled", {"Sheen_Weight": 0.5}, gloss.GLOSS, ("sheen",)),
         ("BsdfPrincipled", {"Transmission_Weight": 1.0}, gloss.GLOSS, ("transmission",)),
         ("BsdfPrincipled", {"Diffuse_Roughness": 0.5}, gloss.GLOSS, ("diffuse roughness",)),
-        ("BsdfDiffuse", {"Roughness": 0.5}, look.MATT, ("diffuse roughness",)),
-        ("BsdfGlass", {}, look.MATT, ()),
-        ("Emission", {}, look.MATT, ()),
+        ("BsdfDiffuse", {"Roughness": 0.5}, shader_rewrite.MATT, ("diffuse roughness",)),
+        ("BsdfGlass", {}, shader_rewrite.MATT, ()),
+        ("Emission", {}, shader_rewrite.MATT, ()),
     ],
 )
 def test_other_shaders(shader, values, kind, words):
@@ -204,10 +206,10 @@ def test_other_shaders(shader, values, kind, words):
         node = tops["Shader"].node
         np.testing.assert_allclose(node.inputs["Metal Color"].default_value[:3], (0.2, 0.5, 0.7))
         np.testing.assert_allclose(node.inputs["Anisotropic"].default_value, 0.3)
-        assert look.set_metal(material, (0.9, 0.6, 0.3), (1.0, 0.9, 0.8))
+        assert shader_rewrite.set_metal(material, (0.9, 0.6, 0.3), (1.0, 0.9, 0.8))
         np.testing.assert_allclose(node.inputs["Metal Color"].default_value[:3], (0.9, 0.6, 0.3))
     else:
-        assert not look.set_metal(material, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
+        assert not shader_rewrite.set_metal(material, (1.0, 1.0, 1.0), (1.0, 1.0, 1.0))
 
 
 def test_colours_that_one_reflectance_cannot_hold_are_told():
@@ -216,7 +218,7 @@ def test_colours_that_one_reflectance_cannot_hold_are_told():
     tree = material.node_tree
     shader = tree.nodes["Old"]
     tree.links.new(groups.add(tree, "ShaderNodeTexNoise").outputs[1], shader.inputs["Base Color"])
-    assert materials.look_of(material).left_out == ("the spectrum of a metal's texture",)
+    assert spectral_material.look_of(material).left_out == ("the spectrum of a metal's texture",)
     material = material_with("BsdfDiffuse")
     tree = material.node_tree
     first = tree.nodes["Old"]
@@ -224,14 +226,14 @@ def test_colours_that_one_reflectance_cannot_hold_are_told():
     mixed = groups.add(tree, "ShaderNodeMixShader", 0.5, first.outputs[0], second.outputs[0])
     output = tree.nodes["Output"]
     tree.links.new(mixed.outputs[0], output.inputs["Surface"])
-    assert materials.look_of(material).left_out == ()  # both 0.8
+    assert spectral_material.look_of(material).left_out == ()  # both 0.8
     second.inputs["Base Color"].default_value = (0.8, 0.1, 0.1, 1.0)
-    (line,) = materials.look_of(material).left_out
+    (line,) = spectral_material.look_of(material).left_out
     assert line == "1 more base colour(s) that are mixed in"
     output.target = "EEVEE"
     other = groups.add(tree, "ShaderNodeOutputMaterial", second.outputs[0])
     other.target = "CYCLES"
-    assert materials.look_of(material).left_out == (line, "what Cycles alone shows")
+    assert spectral_material.look_of(material).left_out == (line, "what Cycles alone shows")
 
 
 def test_nothing_plugged_in():
@@ -270,11 +272,11 @@ def test_a_mix_is_rebuilt_around_our_base():
         assert one.inputs[0].links[0].from_node == fresnel
         assert one.inputs[2].links[0].from_node == glossy
         ours = one.inputs[1].links[0]
-        assert ours.from_socket.name == name and ours.from_node[look.OURS] == "gloss"
+        assert ours.from_socket.name == name and ours.from_node[shader_rewrite.OURS] == "gloss"
         assert ours.from_node.inputs[base].links[0].from_node == surface
     take_off(material, tree.nodes["Three"].outputs[0])
     assert dump(material) == before
-    _, surface, tops = put(material, kind=look.MATT)  # as without a look: all replaced
+    _, surface, tops = put(material, kind=shader_rewrite.MATT)  # as without a look: all replaced
     assert tops["Shader"].node == surface and surface.inputs["Alpha"].default_value == 0.25
     assert diffuse.outputs[0].is_linked is False
 
@@ -299,13 +301,13 @@ def test_pixels_come_back(tmp_path):
     def put_on():
         given = {"reflectance_name": "", "reflectance_hash": ""}
         matrix = np.diag([0.6, 0.3, 0.1])
-        materials.apply(material, world, matrix, **given, gloss=True, textured=True)
-        sky_light.set_coefficients(world, np.ones((1, 3)))
+        spectral_material.apply(material, world, matrix, **given, gloss=True, textured=True)
+        light_group.set_coefficients(world, np.ones((1, 3)))
 
     before = shown()
     put_on()
     on = shown()
-    materials.remove(material)
+    spectral_material.remove(material)
     assert not bpy.data.node_groups
     after = shown()
     put_on()

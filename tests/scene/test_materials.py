@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import materials, nodes, sky_light
+from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.tests import faces
 
 pytestmark = pytest.mark.blender
@@ -131,46 +133,46 @@ def unlinked():
 def test_remove_restores_everything(world, make):
     material = make()
     before = dump(material)
-    materials.apply(material, world, MATRIX, **GIVEN)
-    assert dump(material) != before and materials.is_managed(material)
-    materials.remove(material)
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    assert dump(material) != before and spectral_material.is_managed(material)
+    spectral_material.remove(material)
     assert dump(material) == before
     assert len(bpy.data.node_groups) == 0
-    materials.remove(material)
+    spectral_material.remove(material)
     assert dump(material) == before
 
 
 def test_twice_is_once(world):
     material = bumpy()
     extra = {"delta_E": 1.5, "nested": [[1, 2], {"none": None}]}
-    materials.apply(material, world, MATRIX, **GIVEN, extra=extra)
+    spectral_material.apply(material, world, MATRIX, **GIVEN, extra=extra)
     once = dump(material), [dump(group) for group in bpy.data.node_groups]
-    materials.apply(material, world, MATRIX, **GIVEN, extra=extra)
+    spectral_material.apply(material, world, MATRIX, **GIVEN, extra=extra)
     assert (dump(material), [dump(group) for group in bpy.data.node_groups]) == once
-    told = materials.managed(material)
+    told = spectral_material.managed(material)
     np.testing.assert_allclose(told.matrix, MATRIX, atol=1e-7)  # sockets are float32
     assert (told.reflectance_name, told.reflectance_hash, told.world) == ("brick", "abc", world)
-    assert told.extra == extra and materials.managed_materials() == [material]
-    materials.update(material, np.eye(3))
-    assert materials.managed(material).matrix == np.eye(3).tolist()
+    assert told.extra == extra and spectral_material.managed_materials() == [material]
+    spectral_material.update(material, np.eye(3))
+    assert spectral_material.managed(material).matrix == np.eye(3).tolist()
 
 
 def test_normal_and_alpha_are_carried_over(world):
     material = bumpy()
-    materials.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
     inputs = surface_of(material).inputs
     assert inputs["Normal"].links[0].from_node.type == "BUMP"
     assert inputs["Alpha"].links[0].from_node.type == "TEX_NOISE"
     output = material.node_tree.nodes["Material Output"]
     assert output.inputs["Volume"].is_linked and output.inputs["Displacement"].is_linked
     material = through_reroute()
-    materials.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
     assert surface_of(material).inputs["Alpha"].default_value == 0.25
 
 
 def test_each_engines_output_is_taken_over(world):
     material = two_engines()
-    materials.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
     tree = material.node_tree
     for engine in ("EEVEE", "CYCLES"):
         fed_by = tree.get_output_node(engine).inputs["Surface"].links[0].from_node
@@ -184,44 +186,46 @@ def test_each_engines_output_is_taken_over(world):
 def test_names_do_not_matter(world):
     """Nodes, groups, World and material renamed: still found, still undone."""
     material = bumpy()
-    materials.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
     for thing in (*material.node_tree.nodes, *bpy.data.node_groups, world, material):
         thing.name = "Renamed"
-    materials.apply(material, world, MATRIX, **GIVEN)
-    assert materials.managed_materials(world) == [material] and len(bpy.data.node_groups) == 3
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    assert (
+        spectral_material.managed_materials(world) == [material] and len(bpy.data.node_groups) == 3
+    )
     shader = next(n for n in material.node_tree.nodes if n.type == "BSDF_PRINCIPLED")
-    materials.remove(material)
+    spectral_material.remove(material)
     output = material.node_tree.get_output_node("ALL")
     assert output.inputs["Surface"].links[0].from_node == shader
 
 
 def test_a_copy_is_managed_on_its_own(world):
     material = principled()
-    materials.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
     copy = material.copy()
-    assert materials.managed_materials() == [material, copy]
-    materials.remove(material)
-    assert materials.managed_materials() == [copy] and len(bpy.data.node_groups) == 3
-    materials.remove(copy)
+    assert spectral_material.managed_materials() == [material, copy]
+    spectral_material.remove(material)
+    assert spectral_material.managed_materials() == [copy] and len(bpy.data.node_groups) == 3
+    spectral_material.remove(copy)
     assert len(bpy.data.node_groups) == 0
     assert dump(copy.node_tree) == dump(material.node_tree)
 
 
 def test_what_a_user_plugged_meanwhile_stays(world):
     material = principled()
-    materials.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
     tree = material.node_tree
     own = tree.nodes.new("ShaderNodeEmission")
     output = tree.nodes["Material Output"].inputs["Surface"]
     tree.links.new(own.outputs[0], output)
-    materials.remove(material)
+    spectral_material.remove(material)
     assert output.links[0].from_node == own
-    materials.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
     tree.nodes.remove(surface_of(material))
-    assert not materials.is_managed(material)
-    materials.apply(material, world, MATRIX, **GIVEN)
+    assert not spectral_material.is_managed(material)
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
     assert output.links[0].from_node == surface_of(material)
-    materials.remove(material)
+    spectral_material.remove(material)
     assert output.links[0].from_node == own
 
 
@@ -230,15 +234,15 @@ def test_two_worlds_and_a_change_of_world(world, tmp_path):
     other = faces.light(scene, tmp_path, 2)
     assert other != world
     first, second = principled("First"), principled("Second")
-    materials.apply(first, world, MATRIX, **GIVEN)
-    materials.apply(second, other, MATRIX, **GIVEN)
-    sky_light.set_coefficients(world, np.full((4, 3), 0.5))
+    spectral_material.apply(first, world, MATRIX, **GIVEN)
+    spectral_material.apply(second, other, MATRIX, **GIVEN)
+    light_group.set_coefficients(world, np.full((4, 3), 0.5))
     assert len(bpy.data.node_groups) == 5  # the matrix is shared
-    assert not sky_light.coefficients_of(other).any()
-    materials.apply(second, world, MATRIX, **GIVEN)
-    assert materials.managed_materials(world) == [first, second]
-    materials.remove(first)
-    np.testing.assert_allclose(sky_light.coefficients_of(world)[[0, 3]], [[0.5] * 3, [0] * 3])
+    assert not light_group.coefficients_of(other).any()
+    spectral_material.apply(second, world, MATRIX, **GIVEN)
+    assert spectral_material.managed_materials(world) == [first, second]
+    spectral_material.remove(first)
+    np.testing.assert_allclose(light_group.coefficients_of(world)[[0, 3]], [[0.5] * 3, [0] * 3])
 
 
 def test_materials_of_object_and_data_slots():
@@ -254,7 +258,7 @@ def test_materials_of_object_and_data_slots():
     objects[1].material_slots[1].link = "OBJECT"
     objects[1].material_slots[1].material = of_object
     objects[1].material_slots[2].link = "OBJECT"  # empty
-    assert materials.materials_of(objects) == [of_data, of_object]
+    assert spectral_material.materials_of(objects) == [of_data, of_object]
 
 
 def test_linked_and_overridden_materials_are_refused(world, tmp_path):
@@ -264,36 +268,36 @@ def test_linked_and_overridden_materials_are_refused(world, tmp_path):
         wanted.materials = ["Theirs"]
     linked = next(m for m in bpy.data.materials if m.library)
     before = dump(linked)
-    for call in (materials.apply, materials.update):
+    for call in (spectral_material.apply, spectral_material.update):
         with pytest.raises(InputError, match=r'"Theirs": is linked from .*library.blend"; make it'):
             call(
-                *((linked, world, MATRIX) if call is materials.apply else (linked, MATRIX)),
-                **(GIVEN if call is materials.apply else {}),
+                *((linked, world, MATRIX) if call is spectral_material.apply else (linked, MATRIX)),
+                **(GIVEN if call is spectral_material.apply else {}),
             )
     assert dump(linked) == before and len(bpy.data.node_groups) == 0
     override = linked.override_create()
     with pytest.raises(InputError, match="library override"):
-        materials.apply(override, world, MATRIX, **GIVEN)
+        spectral_material.apply(override, world, MATRIX, **GIVEN)
 
 
 def test_a_sky_that_is_none_leaves_the_material_alone(world):
     material = principled()
     before = dump(material)
     with pytest.raises(InputError, match="has no World"):
-        materials.apply(material, None, MATRIX, **GIVEN)
+        spectral_material.apply(material, None, MATRIX, **GIVEN)
     assert dump(material) == before
     with pytest.raises(InputError, match="has no reflectance yet"):
-        materials.update(material, MATRIX)
+        spectral_material.update(material, MATRIX)
 
 
 @pytest.mark.skipif(bpy.app.version >= (5, 0, 0), reason="from 5.0 every material has nodes")
 def test_a_material_without_nodes_gets_and_loses_them(world):
     material = bpy.data.materials.new("Plain")
     material.diffuse_color = (0.9, 0.1, 0.2, 1.0)
-    materials.apply(material, world, MATRIX, **GIVEN)
-    materials.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
     assert material.use_nodes
-    materials.remove(material)
+    spectral_material.remove(material)
     assert not material.use_nodes and nodes.MANAGED not in material
     fresh = bpy.data.materials.new("Plain too")
     fresh.diffuse_color = material.diffuse_color
@@ -304,9 +308,9 @@ def test_a_material_without_nodes_gets_and_loses_them(world):
 def test_older_groups_are_brought_up_to_date_in_place(world):
     """An older version keeps links, values and coefficients; its inside and sockets become ours."""
     material = bumpy()
-    sky_light.set_coefficients(world, np.random.default_rng(1).uniform(0, 1, (49, 3)))
-    materials.apply(material, world, MATRIX, **GIVEN)
-    kept = sky_light.coefficients_of(world)
+    light_group.set_coefficients(world, np.random.default_rng(1).uniform(0, 1, (49, 3)))
+    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    kept = light_group.coefficients_of(world)
     now = [dump(group) for group in bpy.data.node_groups]
     for group in bpy.data.node_groups:
         group["spectral_skylight_version"] = 0
@@ -314,12 +318,12 @@ def test_older_groups_are_brought_up_to_date_in_place(world):
     surface = surface_of(material).node_tree
     surface.interface.remove(surface.interface.items_tree["Alpha"])
     assert "Alpha" not in surface_of(material).inputs
-    sky_light.ensure(world)
+    light_group.ensure(world)
     assert surface_of(material).node_tree == surface and len(bpy.data.node_groups) == 3
     assert surface_of(material).inputs["Normal"].links[0].from_node.type == "BUMP"
     assert surface_of(material).inputs["Alpha"].default_value == 1.0
-    np.testing.assert_array_equal(sky_light.coefficients_of(world), kept)
-    np.testing.assert_allclose(materials.managed(material).matrix, MATRIX, atol=1e-7)
+    np.testing.assert_array_equal(light_group.coefficients_of(world), kept)
+    np.testing.assert_allclose(spectral_material.managed(material).matrix, MATRIX, atol=1e-7)
     again = [dump(group) for group in bpy.data.node_groups]
     strip = lambda groups: [[n["name"] for n in g["nodes"]] for g in groups]  # noqa: E731
     assert strip(again) == strip(now)

@@ -14,8 +14,11 @@ import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
 
-from spectral_skylight.addon.scene import materials, nodes, render, sky_light
-from spectral_skylight.addon.scene import world as worlds
+from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.scene.output import render
+from spectral_skylight.addon.scene.world import hdri as worlds
+from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.node_groups import skylight_surface
 from spectral_skylight.node_groups import tree as groups
@@ -58,10 +61,10 @@ def scene(tmp_path_factory):
         "glossy": shader("glossy", "BsdfPrincipled", Roughness=0.05),
     }
     given = {"reflectance_name": "", "reflectance_hash": ""}
-    materials.apply(made["wall"], world, np.diag(WALL), **given)
-    materials.apply(made["managed"], world, np.diag(FLOOR), **given)
-    materials.apply(made["glossy"], world, np.zeros((3, 3)), **given, gloss=True)
-    sky_light.set_coefficients(world, np.ones((1, 3)))  # not the HDRI's: what is managed emits
+    spectral_material.apply(made["wall"], world, np.diag(WALL), **given)
+    spectral_material.apply(made["managed"], world, np.diag(FLOOR), **given)
+    spectral_material.apply(made["glossy"], world, np.zeros((3, 3)), **given, gloss=True)
+    light_group.set_coefficients(world, np.ones((1, 3)))  # not the HDRI's: what is managed emits
     for k, name in enumerate(STRIPS):
         bpy.ops.mesh.primitive_plane_add(size=1, location=(2 * k - 3, -1, 0))
         bpy.context.object.name = name

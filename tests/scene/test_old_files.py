@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import materials, nodes, pictured, spectral
-from spectral_skylight.addon.scene.settings import Settings, stored
+from spectral_skylight.addon.scene import portraits, spectral
+from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.scene.world.settings import Settings, stored
 from spectral_skylight.addon.spectra.reflectance import read_reflectances
 from spectral_skylight.node_groups import skylight_surface, spectral_matrix
 from spectral_skylight.node_groups import tree as groups
@@ -60,11 +62,11 @@ def test_an_old_file_renders_as_it_did_and_like_new_after_an_update(name, tmp_pa
     kept = json.loads((FILES / "expected.json").read_text())[name]["cycles"]
     np.testing.assert_allclose(faces.seen(scene, tmp_path, 9, "cycles"), kept, rtol=5e-3, atol=1e-4)
     for each in NAMES:  # what panels and pictures ask for
-        managed = materials.managed(bpy.data.materials[each])
+        managed = spectral_material.managed(bpy.data.materials[each])
         assert managed.reflectance_name == each.lower()
         assert managed.extra["values"]
-        assert pictured.portrait(bpy.data.materials[each]).draw_curve() is not None
-    assert len(pictured.expected()) == 3
+        assert portraits.portrait(bpy.data.materials[each]).draw_curve() is not None
+    assert len(portraits.expected()) == 3
 
     group = skylight_surface.find(scene.world)
     trees = {t.name for t in bpy.data.node_groups}
@@ -110,7 +112,7 @@ def test_a_file_of_a_newer_version_is_told_and_left_alone(tmp_path):
     with pytest.raises(InputError, match="newer version of this add-on; update the add-on"):
         spectral.update(scene.world, settings_of(scene), spectral.in_scene(scene))
     material[nodes.MANAGED]["version"] = newer
-    for change in (materials.check_editable, materials.remove):
+    for change in (spectral_material.check_editable, spectral_material.remove):
         with pytest.raises(InputError, match='"Brick": was made by a newer version'):
             change(material)
     assert list(group.nodes) == inside and group[groups.VERSION] == newer

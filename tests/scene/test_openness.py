@@ -3,7 +3,7 @@
 import bpy
 import pytest
 
-from spectral_skylight.addon.scene.openness import hidden_share
+from spectral_skylight.addon.scene.bake.sky_exposure import hidden_share
 
 pytestmark = pytest.mark.blender
 

@@ -4,14 +4,14 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import (
-    look,
-    materials,
-    nodes,
-    optics,
-    owned,
-    spectral,
-    sun_lamp,
+from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon.scene.lights import sun_lamp
+from spectral_skylight.addon.scene.materials import (
+    glass_and_metal,
+    saved_settings,
+    shader_rewrite,
+    spectral_material,
 )
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
@@ -51,10 +51,10 @@ def test_glass_by_its_transmittance(scene):
     glass.surface_render_method = "DITHERED"
     before = dump(glass)
     for _ in range(2):
-        optics.glaze(glass, "green", GREEN)
+        glass_and_metal.glaze(glass, "green", GREEN)
         light, _ = spectral.make_spectral(scene.world, {wall: ("half", 0.5 * GREEN)}, SETTINGS)
     assert light.sun is not None
-    node = optics.pane_node(glass)
+    node = glass_and_metal.pane_node(glass)
     tint = np.array(node.inputs["Transmittance"].default_value[:3])
     # Independent of how: the colour behind it is what the sky's matrix makes of it.
     mapping = SETTINGS.transfer(light)
@@ -69,12 +69,12 @@ def test_glass_by_its_transmittance(scene):
     held = lamp.light_linking.blocker_collection
     assert [obj.name for obj in held.objects] == ["Pane"]
     assert held.collection_objects[0].light_linking.link_state == "EXCLUDE"
-    assert not materials.is_managed(glass) and optics.pane_node(wall) is None
-    materials.remove(glass)
+    assert not spectral_material.is_managed(glass) and glass_and_metal.pane_node(wall) is None
+    spectral_material.remove(glass)
     assert dump(glass) == before
     spectral.update(scene.world, SETTINGS)
     assert lamp.light_linking.blocker_collection is None
-    assert not any(optics.PANES in collection for collection in bpy.data.collections)
+    assert not any(glass_and_metal.PANES in collection for collection in bpy.data.collections)
 
 
 def test_a_frame_in_the_pane_is_told(scene):
@@ -83,9 +83,9 @@ def test_a_frame_in_the_pane_is_told(scene):
     window[0] = glass
     window.append(frame)
     scene.objects["Floor"].data.materials[0] = frame
-    optics.glaze(glass, "green", GREEN)
+    glass_and_metal.glaze(glass, "green", GREEN)
     spectral.make_spectral(scene.world, {frame: ("half", 0.5 * GREEN)}, SETTINGS)
-    assert optics.pass_through(scene) == [
+    assert glass_and_metal.pass_through(scene) == [
         '"Pane": glass and frame in one object shade the sun; separate them by material'
     ]
 
@@ -99,11 +99,13 @@ def test_metal_by_its_n_and_k(scene):
     )
     mapping = SETTINGS.transfer(light)
     sky = mapping.restoration @ light.faces.mean(axis=0)
-    node = next(n for n in metal.node_tree.nodes if n.get(look.OURS) == "gloss")
+    node = next(n for n in metal.node_tree.nodes if n.get(shader_rewrite.OURS) == "gloss")
     for name, rgb in zip(("Metal Color", "Metal Edge"), tints(*NK, sky), strict=True):
         np.testing.assert_allclose(node.inputs[name].default_value[:3], rgb, atol=1e-5)
     node.inputs["Metal Color"].default_value = (0.0, 0.0, 0.0, 1.0)
     spectral.update(scene.world, SETTINGS)  # from what the file keeps
     assert node.inputs["Metal Color"].default_value[0] > 0.5
-    materials.remove(metal)
-    assert dump(metal) == before and owned.METAL not in metal and nodes.MANAGED not in metal
+    spectral_material.remove(metal)
+    assert (
+        dump(metal) == before and saved_settings.METAL not in metal and nodes.MANAGED not in metal
+    )

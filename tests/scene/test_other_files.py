@@ -5,9 +5,12 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import materials, nodes, receivers, spectral, sun_lamp
-from spectral_skylight.addon.scene import world as worlds
-from spectral_skylight.addon.scene.settings import Settings, stored
+from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon.scene.lights import light_linking, sun_lamp
+from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.scene.world import hdri as worlds
+from spectral_skylight.addon.scene.world.settings import Settings, stored
 from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.node_groups import gloss, skylight_surface
@@ -65,7 +68,7 @@ def update(scene):
     chosen = []
     for material in spectral.in_scene(scene):
         try:
-            materials.check_editable(material)
+            spectral_material.check_editable(material)
         except InputError:
             continue
         chosen.append(material)
@@ -103,12 +106,12 @@ def test_an_appended_material_follows_the_world_here(library, tmp_path, kind):
         scene.collection.objects.link(wall)
         wall.material_slots[0].link = "OBJECT"
         wall.material_slots[0].material = theirs
-    managed = materials.managed(theirs)
+    managed = spectral_material.managed(theirs)
     assert managed.reflectance_name == "brick" and managed.world not in (None, world)
     assert skylight_surface.KIND in doubles()
     bump = theirs.node_tree.nodes["Bump"]
     update(scene)
-    assert materials.managed(theirs).world == world
+    assert spectral_material.managed(theirs).world == world
     assert doubles() == set()
     ours = bpy.data.materials["Brick"]
     for role in ("surface", "gloss"):
@@ -126,11 +129,11 @@ def test_an_appended_material_follows_the_world_here(library, tmp_path, kind):
     bpy.ops.wm.open_mainfile(filepath=path)
     assert len(bpy.data.worlds) == 1  # what only the old drivers held is gone
     theirs = bpy.data.materials["Theirs"]
-    materials.remove(theirs)
+    spectral_material.remove(theirs)
     links = theirs.node_tree.nodes["Material Output"].inputs["Surface"].links
     assert links[0].from_node.type == "BSDF_PRINCIPLED"
     assert not any(n.type == "GROUP" for n in theirs.node_tree.nodes)
-    assert materials.is_managed(bpy.data.materials["Brick"])
+    assert spectral_material.is_managed(bpy.data.materials["Brick"])
 
 
 def test_linked_and_overridden_materials_are_skipped(library, tmp_path):
@@ -139,7 +142,7 @@ def test_linked_and_overridden_materials_are_skipped(library, tmp_path):
     obj = take(library, True, objects=["Wall"])
     scene.collection.objects.link(obj)
     theirs = obj.active_material
-    assert materials.is_managed(theirs) and theirs in spectral.in_scene(scene)
+    assert spectral_material.is_managed(theirs) and theirs in spectral.in_scene(scene)
     before = [list(s.default_value) for s in surface(theirs).inputs if s.type == "VECTOR"]
     with pytest.raises(InputError, match='"Theirs": is linked from'):
         spectral.update(scene.world, SETTINGS, [theirs])
@@ -147,7 +150,7 @@ def test_linked_and_overridden_materials_are_skipped(library, tmp_path):
     scene.world = take(library, True, worlds=["Skylight"])
     ours = bpy.data.materials["Brick"]
     spectral.make_spectral(scene.world, {ours: BRICK}, SETTINGS)
-    assert materials.managed(ours).world == scene.world
+    assert spectral_material.managed(ours).world == scene.world
     assert surface(ours).node_tree.library is None
     after = [list(s.default_value) for s in surface(theirs).inputs if s.type == "VECTOR"]
     assert after == before
@@ -158,7 +161,7 @@ def test_linked_and_overridden_materials_are_skipped(library, tmp_path):
     scene.collection.objects.link(instance)
     update(scene)
     assert sun_lamp.find(scene, sun_lamp.SUN) is not None
-    assert instance in list(receivers.find(scene).objects)  # the sun shines on it too
+    assert instance in list(light_linking.find(scene).objects)  # the sun shines on it too
     path = save(tmp_path, "linking.blend")
     bpy.ops.wm.open_mainfile(filepath=path)
     scene = bpy.context.scene
@@ -176,9 +179,9 @@ def test_a_linked_object_with_a_material_of_this_file(library, tmp_path):
     override.material_slots[0].material = own = bpy.data.materials.new("Own")
     nodes.use(own)
     spectral.make_spectral(scene.world, {own: BRICK}, SETTINGS)
-    assert override in list(receivers.find(scene).objects)
-    materials.remove(own)
-    assert not materials.is_managed(own)
+    assert override in list(light_linking.find(scene).objects)
+    spectral_material.remove(own)
+    assert not spectral_material.is_managed(own)
 
 
 @newest
@@ -190,12 +193,12 @@ def test_made_local_it_is_this_files_own(library, tmp_path):
     mesh = obj.data.make_local()
     local = mesh.materials[0].make_local()
     mesh.materials[0] = local
-    assert local.library is None and materials.is_managed(local)
+    assert local.library is None and spectral_material.is_managed(local)
     update(scene)
-    assert materials.managed(local).world == scene.world
+    assert spectral_material.managed(local).world == scene.world
     assert all(n.node_tree.library is None for n in local.node_tree.nodes if n.type == "GROUP")
-    materials.remove(local)
-    assert not materials.is_managed(local)
+    spectral_material.remove(local)
+    assert not spectral_material.is_managed(local)
 
 
 def test_copies_stand_alone(tmp_path):
@@ -207,15 +210,15 @@ def test_copies_stand_alone(tmp_path):
     update(scene)
     group = surface(ours).node_tree
     assert surface(twin).node_tree == group
-    materials.remove(ours)
-    assert materials.is_managed(twin) and skylight_surface.find(scene.world) == group
+    spectral_material.remove(ours)
+    assert spectral_material.is_managed(twin) and skylight_surface.find(scene.world) == group
     assert gloss.GLOSS in {t.get(groups.KIND) for t in bpy.data.node_groups}
     spectral.make_spectral(scene.world, {ours: BRICK}, SETTINGS)
     bpy.data.orphans_purge(do_recursive=True)
     update(scene)
     assert surface(ours).node_tree == surface(twin).node_tree == group
     for material in (ours, twin):
-        materials.remove(material)
+        spectral_material.remove(material)
     assert list(bpy.data.node_groups) == []
     assert sun_lamp.find(scene, sun_lamp.SUN) is None
 
@@ -231,17 +234,17 @@ def test_a_full_copy_of_a_scene_has_light_of_its_own(tmp_path):
         there.data.materials[0] = obj.active_material.copy()
     update(copy)
     for one, wall in ((scene, obj), (copy, there)):
-        managed = materials.managed(wall.active_material)
+        managed = spectral_material.managed(wall.active_material)
         assert managed.world == one.world
         lamps = [o for o in one.objects if o.get(sun_lamp.KEY) == sun_lamp.SUN]
         assert len(lamps) == 1
-        assert list(receivers.find(one).objects) == [wall]
+        assert list(light_linking.find(one).objects) == [wall]
     copy.world.node_tree.nodes["Environment Texture"].image = bpy.data.images.load(
         str(sky(tmp_path / "sky3.exr", 3))
     )
-    before = np.array(materials.managed(obj.active_material).matrix)
+    before = np.array(spectral_material.managed(obj.active_material).matrix)
     update(copy)
-    np.testing.assert_array_equal(materials.managed(obj.active_material).matrix, before)
+    np.testing.assert_array_equal(spectral_material.managed(obj.active_material).matrix, before)
     for wall in (there, obj):
-        materials.remove(wall.active_material)
+        spectral_material.remove(wall.active_material)
     assert list(bpy.data.node_groups) == []

@@ -5,8 +5,9 @@ import numpy as np
 import OpenEXR
 import pytest
 
-from spectral_skylight.addon.scene import receivers, spectral
-from spectral_skylight.addon.scene import render as renders
+from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene.lights import light_linking
+from spectral_skylight.addon.scene.output import render as renders
 from spectral_skylight.tests.scene.test_sun import sky_with_sun
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
@@ -43,9 +44,9 @@ def test_instances_are_lit_as_the_object_is(tmp_path):
     scene.eevee.taa_render_samples, scene.cycles.samples = 4, 64
     bpy.context.view_layer.update()
     spectral.make_spectral(world, {material: ("test", np.full(81, 0.5))}, spectral.Settings())
-    names = {obj.name for obj in receivers.find(scene).objects}
+    names = {obj.name for obj in light_linking.find(scene).objects}
     assert names == {"Itself", "Instance", "Places", "Child"}
-    assert receivers.mixed(scene) == []
+    assert light_linking.mixed(scene) == []
     for engine in ("eevee", "cycles"):
         exr, _ = renders.render(scene, tmp_path / f"{engine}.exr", engine=engine)
         pixels = next(iter(OpenEXR.File(str(exr)).channels().values())).pixels[6, :, :3]

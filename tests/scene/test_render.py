@@ -10,7 +10,9 @@ import OpenEXR
 import pytest
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import materials, render, sky_light
+from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.scene.output import render
+from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.tests import faces
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
@@ -21,8 +23,8 @@ def scene(tmp_path):
     scene = faces.empty_scene()
     world = faces.light(scene, tmp_path)
     material = bpy.data.materials.new("Matt")
-    materials.apply(material, world, np.eye(3), reflectance_name="", reflectance_hash="")
-    sky_light.set_coefficients(world, [[0.2, 0.4, 0.8], *np.full((3, 3), 0.1)])
+    spectral_material.apply(material, world, np.eye(3), reflectance_name="", reflectance_hash="")
+    light_group.set_coefficients(world, [[0.2, 0.4, 0.8], *np.full((3, 3), 0.1)])
     faces.add_faces(scene, faces.directions(16)).material_slots[0].material = material
     return scene
 

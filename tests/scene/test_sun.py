@@ -8,8 +8,10 @@ import OpenEXR
 import pytest
 from mathutils import Vector
 
-from spectral_skylight.addon.scene import lights, materials, receivers, spectral, sun_lamp
-from spectral_skylight.addon.scene import render as renders
+from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene.lights import light_linking, lighting, sun_lamp
+from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.scene.output import render as renders
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 from spectral_skylight.addon.spectra.reflectance import reflectance_hash
 
@@ -97,7 +99,7 @@ def expected(light, rho, sun):
     """What a level face of a reflectance returns of sun and sky, by the room's own numbers."""
     settings = spectral.Settings()
     transfer = settings.transfer(light)
-    found = lights.find(light, transfer)
+    found = lighting.find(light, transfer)
     sky = transfer.matrices(rho) @ light.faces[0]
     return sky, sky + found.sun.rgb * sun[2] * found.reflected(rho)["Sun"]
 
@@ -139,7 +141,7 @@ def test_removal_leaves_no_trace_and_no_sun_costs_nothing(scene):
     assert scene.world.sun_threshold != threshold
     material = bpy.data.materials["Spectral"]
     assert len([n for n in material.node_tree.nodes if n.type == "OUTPUT_MATERIAL"]) == 2
-    materials.remove(material)
+    spectral_material.remove(material)
     assert objects == (set(bpy.data.objects), set(bpy.data.lights), set(bpy.data.collections))
     assert scene.world.sun_threshold == threshold
     assert len([n for n in material.node_tree.nodes if n.type == "OUTPUT_MATERIAL"]) == 1
@@ -151,13 +153,13 @@ def test_mixed_objects_are_named_not_burnt(scene):
     rho = np.full(81, 0.5)
     make(scene, rho)
     floor = bpy.data.objects["Spectral"]
-    assert floor.name in receivers.find(scene).objects
+    assert floor.name in light_linking.find(scene).objects
     floor.data.materials.append(bpy.data.materials["Plain"])
     floor.data.polygons[0].material_index = 1
-    assert any("Spectral" in line for line in lights.refresh(scene.world))
-    assert floor.name not in receivers.find(scene).objects
+    assert any("Spectral" in line for line in lighting.refresh(scene.world))
+    assert floor.name not in light_linking.find(scene).objects
     floor.data.polygons[0].material_index = 0  # a slot that no face shows harms nothing
-    assert lights.refresh(scene.world) == []
-    assert floor.name in receivers.find(scene).objects
+    assert lighting.refresh(scene.world) == []
+    assert floor.name in light_linking.find(scene).objects
     floor.data.materials.pop(index=1)
     assert reflectance_hash(rho)

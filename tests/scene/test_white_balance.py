@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon import cli
-from spectral_skylight.addon.scene import files, sky_light
+from spectral_skylight.addon.scene.files import blend_file
+from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.addon.sky.panorama import write_panorama
 
 pytestmark = pytest.mark.blender
@@ -34,7 +35,7 @@ def applied(folder, *options):
     sky = ("--sky", folder / "tinted.exr", "--assign", f"Wall={folder / 'paint.csv'}")
     arguments = ["apply", folder / "scene.blend", *sky, "--out", out, *options]
     assert cli.main([str(argument) for argument in arguments]) == 0
-    return sky_light.description_of(files.open_scene(out).world)
+    return light_group.description_of(blend_file.open_scene(out).world)
 
 
 def test_a_tinted_world_is_said_to_be_so(folder, capsys):

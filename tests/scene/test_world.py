@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import working_space, world_pixels
-from spectral_skylight.addon.scene import world as worlds
+from spectral_skylight.addon.scene.blend_data import working_space
+from spectral_skylight.addon.scene.world import hdri as worlds
+from spectral_skylight.addon.scene.world import panorama
 from spectral_skylight.addon.sky.panorama import read_panorama, write_panorama
 from spectral_skylight.node_groups import spectral_matrix
 from spectral_skylight.tests import faces
@@ -146,12 +147,12 @@ def test_no_world_and_a_plain_one(scene):
 def test_pixels_are_the_files_packed_external_and_linked(scene, tmp_path):
     image = worlds.sky_of(scene.world).image
     truth = read_panorama(tmp_path / "sky1.exr").rgb
-    assert world_pixels.pixels_of(image).dtype == np.float32
-    np.testing.assert_array_equal(world_pixels.pixels_of(image), truth)
+    assert panorama.pixels_of(image).dtype == np.float32
+    np.testing.assert_array_equal(panorama.pixels_of(image), truth)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "external.blend"))
     image.pack()
     (tmp_path / "sky1.exr").rename(tmp_path / "elsewhere.exr")
-    np.testing.assert_array_equal(world_pixels.pixels_of(image), truth)
+    np.testing.assert_array_equal(panorama.pixels_of(image), truth)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "packed.blend"), copy=True)
     (tmp_path / "elsewhere.exr").rename(tmp_path / "sky1.exr")
     for library in ("packed.blend", "external.blend"):
@@ -160,7 +161,7 @@ def test_pixels_are_the_files_packed_external_and_linked(scene, tmp_path):
             wanted.worlds = ["Skylight"]
         linked = worlds.sky_of(bpy.data.worlds[0]).image
         assert linked.library is not None
-        np.testing.assert_array_equal(world_pixels.pixels_of(linked), truth)
+        np.testing.assert_array_equal(panorama.pixels_of(linked), truth)
 
 
 @pytest.mark.parametrize("name", ["Linear Rec.709", "Non-Color", "Linear Rec.2020", "ACEScg"])
@@ -175,7 +176,7 @@ def test_pixels_follow_the_images_colour_space(scene, tmp_path, name):
     }.get(name, np.eye(3))
     # Matrices of four digits; Blender keeps float32.
     tolerance = 1e-3 if name in ("Linear Rec.2020", "ACEScg") else 0.0
-    np.testing.assert_allclose(world_pixels.pixels_of(image), truth @ to_working.T, atol=tolerance)
+    np.testing.assert_allclose(panorama.pixels_of(image), truth @ to_working.T, atol=tolerance)
 
 
 @pytest.mark.skipif(bpy.app.version < (5, 0, 0), reason="one working space before 5.0")
@@ -187,7 +188,7 @@ def test_pixels_are_in_the_files_working_space(scene, tmp_path, name, to):
     image = bpy.data.images.load(str(tmp_path / "sky1.exr"))
     assert image.colorspace_settings.name == "Linear Rec.709"  # what Blender takes an EXR for
     truth = read_panorama(tmp_path / "sky1.exr").rgb
-    np.testing.assert_allclose(world_pixels.pixels_of(image), truth @ np.transpose(to), atol=1e-3)
+    np.testing.assert_allclose(panorama.pixels_of(image), truth @ np.transpose(to), atol=1e-3)
 
 
 def test_working_space_before_any_choice():
@@ -198,11 +199,11 @@ def test_working_space_before_any_choice():
 def test_images_that_are_no_hdri(scene, tmp_path):
     image = bpy.data.images.new("Byte", 8, 4)
     with pytest.raises(InputError, match='image "Byte": has 8 bits'):
-        world_pixels.pixels_of(image)
+        panorama.pixels_of(image)
     image = bpy.data.images.load(str(tmp_path / "sky1.exr"))
     image.filepath = str(tmp_path / "gone.exr")
     with pytest.raises(InputError, match=r"cannot be read from .*gone.exr"):
-        world_pixels.pixels_of(image)
+        panorama.pixels_of(image)
 
 
 def test_set_sky_keeps_a_world_that_has_it_and_edits_no_other(scene, tmp_path):

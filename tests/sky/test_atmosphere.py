@@ -11,7 +11,7 @@ from spectral_skylight.addon.sky.atmosphere import (
     medium,
     rayleigh_optical_depth,
 )
-from spectral_skylight.addon.sky.rays import columns_to_space
+from spectral_skylight.addon.sky.path_lengths import columns_to_space
 from spectral_skylight.addon.sky.scattering import sun_transmittance
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS, band_average
 from spectral_skylight.addon.spectra.sunlight import extraterrestrial_sunlight

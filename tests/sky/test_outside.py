@@ -7,8 +7,16 @@ import pytest
 
 from spectral_skylight.addon import cli
 from spectral_skylight.addon.sky.light import FACES, analyse
-from spectral_skylight.addon.sky.outside import FOREIGN, GROUND, KINDS, SKY, SUN, classify, outside
 from spectral_skylight.addon.sky.panorama import LUMINANCE, directions, from_pixels, read_panorama
+from spectral_skylight.addon.sky.sky_classification import (
+    FOREIGN,
+    GROUND,
+    KINDS,
+    SKY,
+    SUN,
+    classify,
+    outside,
+)
 from spectral_skylight.addon.spectra.bases import rayleigh
 from spectral_skylight.addon.spectra.sensitivities import camera, observer
 from spectral_skylight.tests.pictures.reading import read_png

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.sky import phases
+from spectral_skylight.addon.sky import phase_functions
 from spectral_skylight.addon.sky.atmosphere import EARTH_RADIUS, Atmosphere, medium
+from spectral_skylight.addon.sky.path_lengths import columns_to_space
 from spectral_skylight.addon.sky.photons import follow
-from spectral_skylight.addon.sky.rays import columns_to_space
 from spectral_skylight.addon.sky.scattering import direction, scattered_once, transmittance
 
 VIEWS = direction(np.radians([5.0, 30.0, 90.0]), np.radians([20.0, 150.0, 0.0]))
@@ -21,9 +21,9 @@ def random(seed=0):
 def test_phases_are_densities(g):
     cosine, weight = np.polynomial.legendre.leggauss(200)
     for phase in (
-        phases.rayleigh_phase(cosine),
-        phases.haze_phase(cosine, g),
-        phases.haze_density(cosine, g),
+        phase_functions.rayleigh_phase(cosine),
+        phase_functions.haze_phase(cosine, g),
+        phase_functions.haze_density(cosine, g),
     ):
         assert 2 * np.pi * weight @ phase == pytest.approx(1.0, rel=1e-9)
 
@@ -33,8 +33,8 @@ def test_draws_follow_their_densities(g):
     even = (np.arange(20_000) + 0.5) / 20_000
     cosine, weight = np.polynomial.legendre.leggauss(200)
     for draws, density in (
-        (phases.draw_rayleigh(even), phases.rayleigh_phase(cosine)),
-        (phases.draw_haze(even, g), phases.haze_density(cosine, g)),
+        (phase_functions.draw_rayleigh(even), phase_functions.rayleigh_phase(cosine)),
+        (phase_functions.draw_haze(even, g), phase_functions.haze_density(cosine, g)),
     ):
         for power in (1, 2, 3):  # moments; 20,000 even numbers leave about 1e-6
             expected = 2 * np.pi * weight @ (density * cosine**power)
@@ -49,7 +49,10 @@ def test_scattered_once_is_what_sums_say(elevation):
     batches = np.array([follow(matter, sun, VIEWS, 400, random(k), 1)[0][0] for k in range(10)])
     air, haze = scattered_once(matter, sun, VIEWS)
     cosine = (VIEWS @ sun)[:, None]
-    exact = phases.rayleigh_phase(cosine) * air + phases.haze_phase(cosine, 0.76) * haze
+    exact = (
+        phase_functions.rayleigh_phase(cosine) * air
+        + phase_functions.haze_phase(cosine, 0.76) * haze
+    )
     error = batches.std(axis=0, ddof=1) / np.sqrt(len(batches))
     # Four standard errors, and 0.5 % for shells that the sums take the sunlight of in the middle.
     assert np.all(np.abs(batches.mean(axis=0) - exact) < 4 * error + 0.005 * exact)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from spectral_skylight.addon.sky.hdri_checks import flat_white, other_primaries, signs
 from spectral_skylight.addon.sky.light import analyse
 from spectral_skylight.addon.sky.panorama import from_pixels, read_panorama, write_panorama
-from spectral_skylight.addon.sky.signs import flat_white, other_primaries, signs
 from spectral_skylight.addon.spectra.working_spaces import primaries_to_rec709, rec709_to_working
 
 REC709 = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.evaluation.evaluation import evaluate
 from spectral_skylight.addon.sky import daylight_ensemble
 from spectral_skylight.addon.spectra import bases, sensitivities
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.ensemble import shipped
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.light import read_light
 from spectral_skylight.addon.spectra.sensitivities import cmfs, observer
-from spectral_skylight.addon.transfer.evaluation import colorchecker, evaluate
 from spectral_skylight.addon.transfer.matrices import transfer
 
 ROUNDING = 1e-9

@@ -8,9 +8,9 @@ from colour.colorimetry import SDS_ILLUMINANTS, SDS_LIGHT_SOURCES
 from spectral_skylight.addon.sky.atmosphere import Atmosphere
 from spectral_skylight.addon.sky.daylight_ensemble import _LEAVES
 from spectral_skylight.addon.sky.simulation import Quality, simulate
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import resample
 from spectral_skylight.addon.spectra.sensitivities import observer
-from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
 

@@ -7,7 +7,6 @@ from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.sky.clear_sky import picture
 from spectral_skylight.addon.sky.irradiance import exact_irradiance
 from spectral_skylight.addon.sky.light import analyse
-from spectral_skylight.addon.sky.outside import FOREIGN
 from spectral_skylight.addon.sky.panorama import (
     LUMINANCE,
     directions,
@@ -15,8 +14,9 @@ from spectral_skylight.addon.sky.panorama import (
     read_panorama,
     write_panorama,
 )
+from spectral_skylight.addon.sky.sky_classification import FOREIGN
 from spectral_skylight.addon.sky.sun import separate_sun
-from spectral_skylight.addon.spectra.locus import LIMIT, off_locus
+from spectral_skylight.addon.spectra.daylight_locus import LIMIT, locus_distance
 from spectral_skylight.addon.spectra.working_spaces import rec709_to_working
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
@@ -156,7 +156,7 @@ def test_wrong_primaries(keep, tmp_path):
     off = {}
     for name, light in (("the sky", skylight(40.0)), ("sun and sky", daylight(40.0))):
         off[name] = errors(light, seen=(T @ S @ light)[None]).mean()
-        assert off[name] > 0.8 and off_locus(T @ S @ light) < LIMIT
+        assert off[name] > 0.8 and locus_distance(T @ S @ light) < LIMIT
     acescg = (0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767)
     rgb = np.broadcast_to(T @ S @ skylight(40.0), (16, 32, 3)).astype("f4")
     write_panorama(tmp_path / "sky.exr", rgb, {"chromaticities": acescg})
@@ -196,7 +196,7 @@ def test_a_camera_that_is_no_observer(keep, name):
     raw = as_bright(camera.S_in @ light)
     unaware, aware = errors(light, seen=raw).mean(), errors(light, camera).mean()
     assert unaware > 5.0 and aware < 0.4
-    assert off_locus(raw[0]) > LIMIT > off_locus(raw[0], camera.S_in)
+    assert locus_distance(raw[0]) > LIMIT > locus_distance(raw[0], camera.S_in)
     panorama = from_pixels(np.broadcast_to(raw, (16, 32, 3)).astype("f4"), "sky")
     found = analyse(panorama, 1).outside
     assert found.mostly and found.shares[0, FOREIGN] == 1.0

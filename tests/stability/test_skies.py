@@ -6,10 +6,10 @@ import pytest
 from spectral_skylight.addon.sky.clear_sky import picture
 from spectral_skylight.addon.sky.irradiance import exact_irradiance
 from spectral_skylight.addon.sky.light import FACES, analyse
-from spectral_skylight.addon.sky.outside import FOREIGN, outside
 from spectral_skylight.addon.sky.panorama import directions, from_pixels
+from spectral_skylight.addon.sky.sky_classification import FOREIGN, outside
+from spectral_skylight.addon.spectra.daylight_locus import LIMIT, locus_distance
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
-from spectral_skylight.addon.spectra.locus import LIMIT, off_locus
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.addon.transfer.prediction import predict
@@ -69,7 +69,7 @@ def test_a_twilight_whose_sun_nobody_tells(keep):
     mapping = transfer("atmosphere", sky_rgb=S @ light)
     off, paper = errors(light, mapping).mean(), errors(light).mean()
     assert 1.0 < off < paper
-    assert off_locus(S @ light, sun_elevation=40.0) < LIMIT
+    assert locus_distance(S @ light, sun_elevation=40.0) < LIMIT
     panorama = from_pixels(np.broadcast_to(S @ light, (16, 32, 3)).astype("f4"), "sky")
     assert any("tell a low sun's elevation" in note for note in analyse(panorama, 1).notes)
     keep(
@@ -82,7 +82,7 @@ def test_a_twilight_whose_sun_nobody_tells(keep):
 def test_overcast(keep):
     """A grey cloud between sky and ground changes little of the spectrum's shape."""
     light = bright(daylight(40.0) / (1.0 - 0.6 * 0.2))
-    assert errors(light).mean() < 0.25 and off_locus(S @ light) < LIMIT
+    assert errors(light).mean() < 0.25 and locus_distance(S @ light) < LIMIT
     keep("overcast", f"ΔE {errors(light).mean():.2f}", "nothing to do")
 
 
@@ -95,7 +95,7 @@ def test_smoke_and_dust(keep):
     light = skylight(30.0, haze=4.0, angstrom=2.0, haze_albedo=0.75)
     paper, today = errors(light).mean(), errors(light, "rgb").mean()
     assert 0.4 < paper < 0.4 * today
-    assert off_locus(S @ light) < LIMIT < off_locus(S @ light, sun_elevation=30.0)
+    assert locus_distance(S @ light) < LIMIT < locus_distance(S @ light, sun_elevation=30.0)
     assert not predict(transfer(), CHECKER, [S @ light]).unknown
     assert "no colour of skylight" in predict(transfer(), CHECKER, [S @ light], 30.0).unknown
     keep(
@@ -138,7 +138,7 @@ def test_white_lamps_cannot_be_seen(keep):
     mapping = atmosphere(light, -4.0)
     off = errors(light, mapping).mean()
     promised = predict(mapping, CHECKER, [S @ light], -4.0).matrix.mean()
-    assert off > 0.8 and off_locus(S @ light) < LIMIT
+    assert off > 0.8 and locus_distance(S @ light) < LIMIT
     assert promised < 0.5 * off  # so it is: keep it until someone finds a sign
     keep(
         "half twilight, half LED of 6500 K",

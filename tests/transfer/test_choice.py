@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from spectral_skylight.addon.evaluation.calibration import Calibration, calibrate, joined
+from spectral_skylight.addon.evaluation.evaluation import true_colours
 from spectral_skylight.addon.sky import daylight_ensemble
 from spectral_skylight.addon.sky.clear_sky import sky_rgb
 from spectral_skylight.addon.sky.irradiance import exact_irradiance
@@ -12,11 +14,11 @@ from spectral_skylight.addon.sky.light import FACES, analyse
 from spectral_skylight.addon.sky.panorama import from_pixels
 from spectral_skylight.addon.sky.polynomial import evaluate_polynomial
 from spectral_skylight.addon.spectra import bases
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.ensemble import shipped
 from spectral_skylight.addon.spectra.light import read_light
 from spectral_skylight.addon.spectra.working_spaces import rec709_to_working
 from spectral_skylight.addon.transfer import prediction
-from spectral_skylight.addon.transfer.calibration import Calibration, calibrate, joined
 from spectral_skylight.addon.transfer.choice import (
     FULL,
     MODELS,
@@ -28,7 +30,6 @@ from spectral_skylight.addon.transfer.choice import (
     sky_line,
     visibility_line,
 )
-from spectral_skylight.addon.transfer.evaluation import colorchecker, true_colours
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.addon.transfer.prediction import TODAY, UNTOLD_WHITE, predict

@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS, WEIGHTS, resample
 from spectral_skylight.addon.spectra.illuminants import D65
 from spectral_skylight.addon.spectra.sensitivities import cmfs, observer
-from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.glass import Glazing, panes, uncoated
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E

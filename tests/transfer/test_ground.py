@@ -14,10 +14,10 @@ from spectral_skylight.addon.sky.light import analyse
 from spectral_skylight.addon.sky.panorama import Panorama, read_panorama
 from spectral_skylight.addon.sky.polynomial import evaluate_polynomial
 from spectral_skylight.addon.sky.simulation import Quality, simulate
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.reflectance import read_reflectances
 from spectral_skylight.addon.spectra.sensitivities import observer
-from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.ground import CHOICES, ground_light, short_cuts, split
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS, WEIGHTS
 from spectral_skylight.addon.spectra.illuminants import D65
 from spectral_skylight.addon.spectra.sensitivities import cmfs, observer
 from spectral_skylight.addon.spectra.working_spaces import WORKING_SPACES
-from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.lamps import black_body, classes, lamp_spectrum
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.tests.stability.lights import source

@@ -5,11 +5,11 @@ import pytest
 
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.sky.direct_sun import direct_sunlight
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.illuminants import D65
 from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.addon.spectra.working_spaces import WORKING_SPACES
-from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.prediction import rgb_albedo
 from spectral_skylight.addon.transfer.prefilter import balanced_rgb, light_rgb, prefiltered

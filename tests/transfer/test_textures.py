@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.illuminants import D65
 from spectral_skylight.addon.spectra.reflectance import read_reflectances
 from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.addon.spectra.working_spaces import WORKING_SPACES, rec709_to_working
-from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E, to_Lab
 from spectral_skylight.addon.transfer.prediction import rgb_albedo

@@ -13,9 +13,9 @@ from spectral_skylight.addon.sky.light import FACES, SkyLight
 from spectral_skylight.addon.sky.panorama import read_panorama
 from spectral_skylight.addon.sky.simulation import Quality, simulate
 from spectral_skylight.addon.sky.sun import separate_sun
+from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import resample
 from spectral_skylight.addon.spectra.sensitivities import observer
-from spectral_skylight.addon.transfer.evaluation import colorchecker
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.addon.transfer.white import AUTO, estimate_white, settle_white

@@ -18,7 +18,7 @@ def scene(addon, tmp_path):
     """Two cubes with the materials Wall and Roof, the first active, under an HDRI; brick.csv."""
     import bpy
 
-    from spectral_skylight.addon.scene import world as worlds
+    from spectral_skylight.addon.scene.world import hdri as worlds
     from spectral_skylight.tests.ui import stage
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)

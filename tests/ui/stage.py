@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import materials
+from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 
 BRICK = "wavelength_nm,brick,moss\n" + "".join(
@@ -38,12 +38,12 @@ def material(name="Wall"):
 
 
 def given(name="Wall"):
-    managed = materials.managed(material(name))
+    managed = spectral_material.managed(material(name))
     return managed and managed.reflectance_name
 
 
 def matrix(name="Wall"):
-    return np.array(materials.managed(material(name)).matrix)
+    return np.array(spectral_material.managed(material(name)).matrix)
 
 
 def links(name="Wall"):

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import materials
+from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.tests.ui.stage import (
     error_of,
     given,
@@ -44,9 +44,9 @@ def test_what_was_measured_is_kept_and_forgotten_with_the_reflectance(scene, bri
     file.write_text("nm,slate\n" + "".join(f"{nm},0.{nm}\n" for nm in range(400, 701, 10)))
     bpy.ops.skylight.apply(filepath=str(file))
     bpy.ops.skylight.update()
-    assert materials.managed(material()).extra["measured"] == [400.0, 700.0]
+    assert spectral_material.managed(material()).extra["measured"] == [400.0, 700.0]
     bpy.ops.skylight.estimate()
-    assert materials.managed(material()).extra["measured"] is None
+    assert spectral_material.managed(material()).extra["measured"] is None
 
 
 def test_apply_on_the_selection(scene, brick):
@@ -164,7 +164,7 @@ def test_a_linked_material_is_skipped_and_said(scene, brick, tmp_path, capfd):
     select("Wall", "Roof")
     bpy.ops.skylight.apply_selected(filepath=brick, column="brick")
     assert given("Wall") == "brick"
-    assert not materials.is_managed(wanted.materials[0])
+    assert not spectral_material.is_managed(wanted.materials[0])
     assert 'skipped: material "Roof": is linked from' in capfd.readouterr().out
     select("Roof")
     with pytest.raises(RuntimeError, match="is linked from .*library.blend"):

@@ -3,7 +3,7 @@
 import bpy
 import pytest
 
-from spectral_skylight.addon.scene import bake
+from spectral_skylight.addon.scene.bake import scene_bake
 from spectral_skylight.node_groups import skylight_surface
 
 pytestmark = pytest.mark.blender
@@ -22,13 +22,13 @@ def test_bake_shows_and_remove_takes_away(scene, brick):
     before = len(bpy.data.objects)
     assert not bpy.ops.skylight.remove_bakes.poll()
     assert bpy.ops.skylight.bake(rays=64) == {"FINISHED"}
-    assert bake.baked() == [bpy.data.objects["Wall"]]
-    assert bake.stale() == []
+    assert scene_bake.baked() == [bpy.data.objects["Wall"]]
+    assert scene_bake.stale() == []
     assert scene.world.skylight.occlusion == "baked"
     surface = skylight_surface.find(scene.world)
     assert skylight_surface.features_of(surface).sky == "baked"
     assert bpy.ops.skylight.remove_bakes() == {"FINISHED"}
-    assert bake.baked() == []
+    assert scene_bake.baked() == []
     assert len(bpy.data.objects) == before
 
 
@@ -39,5 +39,5 @@ def test_only_what_is_selected(scene, brick):
     bpy.context.view_layer.objects["Wall"].select_set(True)
     bpy.context.view_layer.objects["Roof"].select_set(False)
     bpy.ops.skylight.bake(rays=64, selected=True)
-    assert bake.baked() == [bpy.data.objects["Wall"]]
-    assert bake.stale() == [bpy.data.objects["Roof"]]
+    assert scene_bake.baked() == [bpy.data.objects["Wall"]]
+    assert scene_bake.stale() == [bpy.data.objects["Roof"]]

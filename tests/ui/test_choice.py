@@ -4,7 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import everything, materials, optics
+from spectral_skylight.addon.scene import everything
+from spectral_skylight.addon.scene.materials import glass_and_metal, spectral_material
 from spectral_skylight.addon.ui import panels
 from spectral_skylight.tests.ui.stage import (
     drawn,
@@ -47,17 +48,17 @@ def test_glass(scene, pane):
     assert "pane" in shown.properties and "behind" not in shown.properties
     choice.pane = "BLOCK"
     bpy.ops.skylight.apply()
-    name, transmittance, _, faces = optics.pane_of(material())
+    name, transmittance, _, faces = glass_and_metal.pane_of(material())
     assert (name, faces) == ("green", 2)
     assert transmittance[[0, -1]] == pytest.approx([0.8, 0.4])
     assert "Glass: green" in drawn(panels.SKYLIGHT_PT_material).text
     assert "Wall: green" in drawn(panels.SKYLIGHT_PT_all).text
     bpy.ops.skylight.update()
     bpy.ops.skylight.make_spectral()  # which leaves it glass, and makes the roof spectral
-    assert optics.pane_node(material()) is not None and given("Roof") is not None
+    assert glass_and_metal.pane_node(material()) is not None and given("Roof") is not None
     assert everything.left_alone(scene) == []
     bpy.ops.skylight.remove()
-    assert links() == before and optics.pane_node(material()) is None
+    assert links() == before and glass_and_metal.pane_node(material()) is None
 
 
 def test_glass_alone_brings_no_lamps(scene, pane):
@@ -66,7 +67,11 @@ def test_glass_alone_brings_no_lamps(scene, pane):
     for name in ("Wall", "Roof"):
         bpy.ops.skylight.choose_reflectance(material=name, filepath=pane, kind="GLASS")
     bpy.ops.skylight.make_spectral()
-    tint = material().node_tree.nodes[optics.pane_node(material()).name].inputs["Transmittance"]
+    tint = (
+        material()
+        .node_tree.nodes[glass_and_metal.pane_node(material()).name]
+        .inputs["Transmittance"]
+    )
     assert tint.default_value[0] < 0.6 < tint.default_value[2] < 0.81  # green to blue passes
     assert len(bpy.data.objects) == objects
     bpy.ops.skylight.update()
@@ -85,7 +90,7 @@ def test_a_metal(scene, gold, brick):
     shown = drawn(panels.SKYLIGHT_PT_material)
     assert "column" not in shown.properties and material().skylight.problem == ""
     bpy.ops.skylight.make_spectral()
-    n, k = optics.metal_of(material())
+    n, k = glass_and_metal.metal_of(material())
     assert (n[0], k[0], n[-1], k[-1]) == pytest.approx((1.4, 1.9, 0.3, 3.0))
     assert everything.left_alone(scene) == [] and given() == "gold"
     kept = matrix()
@@ -94,15 +99,15 @@ def test_a_metal(scene, gold, brick):
     material().skylight.filepath = "/nowhere.csv"
     assert "nowhere.csv" in material().skylight.problem
     bpy.ops.skylight.apply(filepath=brick, column="moss")
-    assert optics.metal_of(material()) is None and given() == "moss"  # a metal no more
+    assert glass_and_metal.metal_of(material()) is None and given() == "moss"  # a metal no more
 
 
 def test_behind_glass(scene, brick, pane):
     bpy.ops.skylight.apply(filepath=brick, column="moss")
-    free = np.array(materials.managed(material()).extra["values"])
+    free = np.array(spectral_material.managed(material()).extra["values"])
     material().skylight.behind = pane
     bpy.ops.skylight.apply()
-    found = materials.managed(material())
+    found = spectral_material.managed(material())
     assert found.reflectance_name == "moss behind green"
     tau = np.interp(np.arange(380, 781, 5), GRID, [0.8 - 0.4 * (x > 600) for x in GRID])
     # Monotone cubics and straight lines differ beside a step, 600 to 620 nm.

@@ -5,7 +5,8 @@ import json
 import bpy
 import pytest
 
-from spectral_skylight.addon.scene import everything, materials, textures
+from spectral_skylight.addon.scene import everything
+from spectral_skylight.addon.scene.materials import base_color, spectral_material
 from spectral_skylight.addon.ui import panels
 from spectral_skylight.tests.ui.stage import drawn, given, material
 
@@ -29,8 +30,8 @@ def test_one_click(scene, brick, lamp, capfd):
     bpy.ops.skylight.choose_reflectance(filepath=brick, column="moss")
     material("Roof").node_tree.nodes["Principled BSDF"].inputs[0].default_value = (0.6, 0.2, 0.1, 1)
     assert bpy.ops.skylight.make_spectral() == {"FINISHED"}
-    assert (given("Wall"), given("Roof")) == ("moss", textures.ESTIMATED)
-    assert not materials.is_managed(lamp)
+    assert (given("Wall"), given("Roof")) == ("moss", base_color.ESTIMATED)
+    assert not spectral_material.is_managed(lamp)
     assert everything.left_alone(scene) == [("Sign", "gives light of its own")]
     said = capfd.readouterr().out
     assert "2 material(s) spectral, 1 of them estimated; 1 left alone" in said
@@ -41,12 +42,12 @@ def test_one_click(scene, brick, lamp, capfd):
     table = drawn(panels.SKYLIGHT_PT_all).text
     assert "Wall: moss" in table and "Roof: estimated" in table
     # A second click changes nothing; a new base colour is what the estimate follows.
-    before = materials.managed(material("Roof")).matrix
+    before = spectral_material.managed(material("Roof")).matrix
     bpy.ops.skylight.make_spectral()
-    assert materials.managed(material("Roof")).matrix == before
+    assert spectral_material.managed(material("Roof")).matrix == before
     material("Roof").node_tree.nodes["Principled BSDF"].inputs[0].default_value = (0.1, 0.2, 0.6, 1)
     bpy.ops.skylight.make_spectral()
-    assert materials.managed(material("Roof")).matrix != before
+    assert spectral_material.managed(material("Roof")).matrix != before
     assert given("Wall") == "moss"
 
 
@@ -94,7 +95,7 @@ def test_ended_halfway_what_is_done_is_whole(scene, lamp):
         if progress.line == "Roof":
             break
     work.close()
-    assert (given("Roof"), given("Wall")) == (textures.ESTIMATED, None)
+    assert (given("Roof"), given("Wall")) == (base_color.ESTIMATED, None)
     assert json.loads(scene.get(everything.LEFT, "[]")) == []
     assert "the sun" in drawn(panels.SKYLIGHT_PT_light).text
     bpy.ops.skylight.remove_all()
@@ -107,13 +108,13 @@ def test_ended_halfway_what_is_done_is_whole(scene, lamp):
 
 def test_the_only_material_keeps_its_light_as_gloss_comes_and_goes(scene, brick):
     """Its shader is built anew then; what lights it must not leave with the old one."""
-    from spectral_skylight.addon.scene import sky_light
+    from spectral_skylight.addon.scene.world import light_group
 
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     lamps = sorted(obj.name for obj in scene.objects)
-    before = sky_light.coefficients_of(scene.world)
+    before = light_group.coefficients_of(scene.world)
     for gloss in (False, True):
         scene.world.skylight.gloss = gloss
         bpy.ops.skylight.update()
-        assert (sky_light.coefficients_of(scene.world) == before).all() and before.any()
+        assert (light_group.coefficients_of(scene.world) == before).all() and before.any()
         assert sorted(obj.name for obj in scene.objects) == lamps

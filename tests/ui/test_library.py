@@ -6,9 +6,16 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import materials, pick
+from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.spectra import formats
-from spectral_skylight.addon.ui import choose_reflectance, drop, library, preferences, shelf
+from spectral_skylight.addon.ui import (
+    choose_reflectance,
+    drop,
+    library,
+    library_state,
+    preferences,
+    under_mouse,
+)
 from spectral_skylight.tests.ui import stage
 from spectral_skylight.tests.ui.stage import drawn, error_of, given, material
 
@@ -22,7 +29,7 @@ def enabled(scene):
     entry.module = preferences.ADDON
     yield preferences.of(bpy.context)
     bpy.context.preferences.addons.remove(entry)
-    shelf.put(None)
+    library_state.put(None)
 
 
 @pytest.fixture
@@ -64,7 +71,7 @@ def test_the_preferences_belong_to_the_extension_under_whatever_name_it_runs():
 def test_folders_are_shown_with_the_checkers_and_what_is_broken_told(shown, tmp_path, capfd):
     names = [row.name for row in shown.spectra]
     assert names[:2] == ["dark skin", "light skin"] and names[-2:] == ["brick", "moss"]
-    (problem,) = shelf.library.problems
+    (problem,) = library_state.library.problems
     assert "broken.csv:2" in problem
     panel = drawn(library.SKYLIGHT_PT_library)
     assert "skylight.assign_to_active" in panel.operators
@@ -106,13 +113,13 @@ def test_swatches_under_this_sky_and_under_d65(shown, scene):
     brick = shown.spectra[-2]
     assert brick.name == "brick" and brick.daylight[0] > 2 * brick.daylight[2]
     choose("moss")
-    lit = shelf.lit_by
+    lit = library_state.lit_by
     bpy.ops.skylight.assign_to_active()
     assert "refresh" not in drawn(library.SKYLIGHT_PT_library).text  # it is the same sky
     scene.world = None
     assert "refresh" in drawn(library.SKYLIGHT_PT_library).text
     bpy.ops.skylight.refresh_library()
-    assert shelf.under_sky is None and shelf.lit_by != lit
+    assert library_state.under_sky is None and library_state.lit_by != lit
     assert shown.spectra[shown.active].name == "moss"
     assert (
         tuple(white.sky) == (0, 0, 0)
@@ -199,7 +206,7 @@ def test_an_asset_library_is_written_and_made_spectral(shown, tmp_path, brick):
 
 
 def test_a_list_without_its_library_asks_for_it(enabled):
-    shelf.put(None)
+    library_state.put(None)
     assert "skylight.refresh_library" in drawn(library.SKYLIGHT_PT_library).operators
     with pytest.raises(RuntimeError, match="Show the library"):
         bpy.ops.skylight.assign_to_active()
@@ -228,7 +235,7 @@ def test_dropping_on_an_object_without_a_material_makes_one(scene, brick):
     scene.collection.objects.link(obj)
     bpy.ops.skylight.drop_reflectance(filepath=brick, column="moss", object="Bare")
     assert obj.material_slots[0].material.name == "moss"
-    assert materials.managed(obj.material_slots[0].material).reflectance_name == "moss"
+    assert spectral_material.managed(obj.material_slots[0].material).reflectance_name == "moss"
 
 
 def test_a_glazing_that_is_dropped_is_glass(scene, tmp_path):
@@ -239,7 +246,7 @@ def test_a_glazing_that_is_dropped_is_glass(scene, tmp_path):
     bpy.ops.skylight.drop_reflectance(filepath=str(path), column="Pane transmittance")
     own = material("Wall").skylight
     assert (own.kind, own.column) == ("GLASS", "Pane transmittance")
-    assert material("Wall") in materials.ours()
+    assert material("Wall") in spectral_material.ours()
     bpy.ops.skylight.drop_reflectance(
         filepath=str(path), column="Pane front reflectance", material="Roof"
     )
@@ -257,8 +264,8 @@ def test_what_is_under_the_mouse(scene):
     floor = bpy.data.objects.new("Floor", mesh)
     scene.collection.objects.link(floor)
     bpy.context.view_layer.update()
-    assert pick.along(bpy.context, (0.5, 0.5, 5), (0, 0, -1)) == (floor, 0)
-    assert pick.along(bpy.context, (1.5, 0.5, 5), (0, 0, -1)) == (floor, 1)
-    assert pick.along(bpy.context, (9, 9, 5), (0, 0, -1)) is None
-    assert pick.material_in(floor, 1, "new") == material("Roof")
-    assert pick.under_mouse(bpy.context, 10, 10) is None  # no view here
+    assert under_mouse.along(bpy.context, (0.5, 0.5, 5), (0, 0, -1)) == (floor, 0)
+    assert under_mouse.along(bpy.context, (1.5, 0.5, 5), (0, 0, -1)) == (floor, 1)
+    assert under_mouse.along(bpy.context, (9, 9, 5), (0, 0, -1)) is None
+    assert under_mouse.material_in(floor, 1, "new") == material("Roof")
+    assert under_mouse.under_mouse(bpy.context, 10, 10) is None  # no view here

@@ -6,7 +6,8 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import materials, settings, sky_light
+from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.scene.world import light_group, settings
 from spectral_skylight.addon.ui import properties
 from spectral_skylight.tests.ui.stage import (
     error_of,
@@ -24,14 +25,14 @@ def test_load_sky_lights_the_scene(scene, tmp_path):
     bpy.ops.skylight.load_sky(filepath=str(tmp_path / "sky.exr"))
     world = scene.world
     assert world.node_tree.nodes.get("Environment Texture").image.name == "sky.exr"
-    assert "but the sun's yet" in sky_light.description_of(world)["caption"]
+    assert "but the sun's yet" in light_group.description_of(world)["caption"]
 
 
 def test_load_sky_takes_the_spectral_materials_along(scene, brick, tmp_path):
     bpy.ops.skylight.apply(filepath=brick, column="brick")
-    before = materials.managed(material()).extra["colour"]
+    before = spectral_material.managed(material()).extra["colour"]
     bpy.ops.skylight.load_sky(filepath=str(write_sky(tmp_path / "green.exr", turquoise=2.0)))
-    managed = materials.managed(material())
+    managed = spectral_material.managed(material())
     assert managed.world == scene.world
     assert managed.extra["colour"][1] > 1.5 * before[1]  # twice the green, less some blue's part
     assert given() == "brick"
@@ -92,13 +93,13 @@ def test_update_follows_the_HDRI(scene, brick, tmp_path):
     (tmp_path / "brick.csv").unlink()  # the blend file knows the reflectance
     scene.world.skylight.ground = "none"  # else of a turquoise one its light is taken apart
     bpy.ops.skylight.update()
-    before = sky_light.coefficients_of(scene.world)
+    before = light_group.coefficients_of(scene.world)
     image = bpy.data.images.load(str(write_sky(tmp_path / "no sun.exr", turquoise=2.0, sun=0)))
     scene.world.node_tree.nodes["Environment Texture"].image = image
     bpy.ops.skylight.update()
-    after = sky_light.coefficients_of(scene.world)
+    after = light_group.coefficients_of(scene.world)
     assert after[0, 1] == pytest.approx(2 * before[0, 1], rel=0.05)  # the sun's glow is not in it
-    assert sky_light.description_of(scene.world)["caption"] == "open sky: no shadows yet"
+    assert light_group.description_of(scene.world)["caption"] == "open sky: no shadows yet"
     assert given() == "brick"
 
 
@@ -106,7 +107,7 @@ def test_update_moves_materials_to_the_World_of_the_scene(scene, brick):
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     scene.world = scene.world.copy()
     bpy.ops.skylight.update()
-    assert materials.managed(material()).world == scene.world
+    assert spectral_material.managed(material()).world == scene.world
 
 
 def test_sky_numbers_reach_the_matrix(scene, brick):
@@ -149,16 +150,16 @@ def test_the_tolerance_chooses_the_least_model(scene, brick):
     numbers.tolerance = 0.02
     numbers.white_balanced = True  # by (1, 1, 1): this small sky only looks so
     bpy.ops.skylight.apply(filepath=brick, column="brick")
-    found = materials.managed(material()).extra
+    found = spectral_material.managed(material()).extra
     assert found["model"] == "3x3" and found["bound"] > 0.0
     numbers.tolerance = 10.0
     bpy.ops.skylight.update()
-    found = materials.managed(material()).extra
+    found = spectral_material.managed(material()).extra
     assert found["model"] == "diagonal" and found["bound"] <= 10.0
     M = matrix()
     assert abs(M - np.diag(np.diag(M))).max() < 1e-6  # float32 sockets
-    assert sky_light.description_of(scene.world)["degree"] <= 1
-    assert "basis rayleigh" in sky_light.description_of(scene.world)["model"]
+    assert light_group.description_of(scene.world)["degree"] <= 1
+    assert "basis rayleigh" in light_group.description_of(scene.world)["model"]
 
 
 def test_a_wrong_camera_is_one_line(scene, brick):
@@ -170,8 +171,8 @@ def test_a_wrong_camera_is_one_line(scene, brick):
 def test_the_swatch_is_the_colour_under_this_sky(scene, brick, tmp_path):
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     choice = material().skylight
-    found = materials.managed(material()).extra
-    upward = sky_light.description_of(scene.world)["upward"]
+    found = spectral_material.managed(material()).extra
+    upward = light_group.description_of(scene.world)["upward"]
     assert found["white"] == pytest.approx(np.dot([0.2126, 0.7152, 0.0722], upward), rel=1e-3)
     colour = np.array(found["colour"]) / found["white"]  # white is 1, however dim the sky
     assert tuple(choice.swatch) == pytest.approx(colour, rel=1e-6)  # float32
@@ -180,7 +181,7 @@ def test_the_swatch_is_the_colour_under_this_sky(scene, brick, tmp_path):
     assert tuple(choice.swatch) == pytest.approx(colour, rel=1e-6)
     bright = write_sky(tmp_path / "bright.exr", turquoise=40.0, sun=0)
     bpy.ops.skylight.load_sky(filepath=str(bright))
-    found = materials.managed(material()).extra
+    found = spectral_material.managed(material()).extra
     bright = np.array(found["colour"]) / found["white"]
     assert tuple(choice.swatch) == pytest.approx(np.maximum(bright, 0) / max(1, *bright), rel=1e-6)
 

@@ -7,7 +7,8 @@ import pathlib
 import bpy
 import pytest
 
-from spectral_skylight.addon.scene import materials, nodes
+from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.ui import material_panel, panels, result, wheels
 from spectral_skylight.tests.ui.stage import drawn, select
 
@@ -69,7 +70,7 @@ PANELS_OF_A_MATERIAL = [panels.SKYLIGHT_PT_material, material_panel.SKYLIGHT_PT_
 @pytest.mark.parametrize("panel", PANELS_OF_A_MATERIAL)
 def test_a_spectral_material(applied, panel):
     shown = drawn(panel)
-    found = materials.managed(bpy.data.materials["Wall"]).extra
+    found = spectral_material.managed(bpy.data.materials["Wall"]).extra
     rgb, spectral = found["rgb_delta_E"], found["matrix_delta_E"]
     assert f"RGB is off by ΔE {rgb:.1f}, spectral by {spectral:.1f}" in shown.text
     assert "brick" in shown.text

@@ -3,8 +3,8 @@
 import bpy
 import pytest
 
-from spectral_skylight.addon.scene import stale
-from spectral_skylight.addon.ui import panels, watch
+from spectral_skylight.addon.scene import out_of_date
+from spectral_skylight.addon.ui import panels, staleness_handlers
 from spectral_skylight.tests.ui.stage import drawn, given, material, matrix, select
 
 pytestmark = pytest.mark.blender
@@ -13,9 +13,9 @@ pytestmark = pytest.mark.blender
 @pytest.fixture
 def watched(scene):
     """The scene, watched as it is where there is a window."""
-    watch.attach(background=True)
+    staleness_handlers.attach(background=True)
     yield scene
-    watch.detach()
+    staleness_handlers.detach()
 
 
 def principled(name="Wall"):
@@ -33,7 +33,7 @@ def test_a_base_colour_changed_later(watched):
     before = principled().inputs["Base Color"].default_value[:]
     principled().inputs["Base Color"].default_value = (0.1, 0.5, 0.2, 1.0)
     assert "Wall: its base color has changed since it was estimated" in problems()
-    assert stale.colour(material("Roof")) == "" != stale.colour(material())
+    assert out_of_date.colour(material("Roof")) == "" != out_of_date.colour(material())
     assert "base color has changed" in drawn(panels.SKYLIGHT_PT_material).text
     principled().inputs["Base Color"].default_value = before
     assert problems() == ""
@@ -86,7 +86,7 @@ def test_it_is_known_again_after_saving_and_undo(watched, tmp_path):
     assert "Wall" in problems()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "green.blend"))
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    assert watch.stale_materials() == []
+    assert staleness_handlers.stale_materials() == []
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "green.blend"))
     assert "Wall" in problems()
 
@@ -117,7 +117,7 @@ def test_bakes_that_are_missing_or_old_are_listed(watched, brick):
         bpy.data.objects[name].data.from_pydata(places, [], [(0, 1, 2, 3)])
     bpy.data.objects["Roof"].location.x = 300.0  # far from one another
     bpy.ops.skylight.make_spectral()
-    assert stale.unbaked(watched) == []  # no bake is asked for
+    assert out_of_date.unbaked(watched) == []  # no bake is asked for
     select("Wall")
     bpy.ops.skylight.bake(rays=32, selected=True)
     assert "not baked, or changed since: Roof" in problems()
@@ -132,7 +132,7 @@ def test_bakes_that_are_missing_or_old_are_listed(watched, brick):
 
 
 def test_no_handler_runs_without_a_window(scene):
-    for name, handler in watch.HANDLERS.items():
+    for name, handler in staleness_handlers.HANDLERS.items():
         assert handler not in getattr(bpy.app.handlers, name)
 
 

@@ -3,7 +3,9 @@
 import bpy
 import pytest
 
-from spectral_skylight.addon.scene import nodes, owned, view
+from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon.scene.materials import saved_settings
+from spectral_skylight.addon.scene.world import view_transform
 from spectral_skylight.tests.ui.stage import material, select, write_sky
 
 pytestmark = pytest.mark.blender
@@ -52,7 +54,7 @@ def state():
         found["object", obj.name] = [modifier.name for modifier in obj.modifiers]
     scene = bpy.context.scene
     found["world"] = scene.world.name
-    found["view"] = [getattr(scene.view_settings, name) for name in view.WHITE]
+    found["view"] = [getattr(scene.view_settings, name) for name in view_transform.WHITE]
     return found
 
 
@@ -86,7 +88,7 @@ def test_each_button_is_one_step(scene, brick, tmp_path):
     check(told(ops.choose_reflectance, filepath=brick, column="brick"))
     check(told(ops.apply))
     check(told(ops.make_spectral))
-    assert owned.COLOUR in material("Roof")
+    assert saved_settings.COLOUR in material("Roof")
     check(told(ops.neutral_white))
     check(told(ops.before_after))
     check(told(ops.before_after))

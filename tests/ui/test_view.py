@@ -4,8 +4,9 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import before, look, owned, view
-from spectral_skylight.addon.scene.render import render
+from spectral_skylight.addon.scene.materials import rgb_comparison, saved_settings, shader_rewrite
+from spectral_skylight.addon.scene.output.render import render
+from spectral_skylight.addon.scene.world import view_transform
 from spectral_skylight.addon.ui import panels
 from spectral_skylight.tests.ui.stage import drawn, material, matrix
 
@@ -37,9 +38,9 @@ def test_show_in_viewport(scene):
 def inputs(name="Wall"):
     """Every vector and colour of our nodes in a material, by the node's role and the input."""
     return {
-        (node[look.OURS], socket.name): tuple(socket.default_value)
+        (node[shader_rewrite.OURS], socket.name): tuple(socket.default_value)
         for node in material(name).node_tree.nodes
-        if look.OURS in node
+        if shader_rewrite.OURS in node
         for socket in node.inputs
         if socket.type in ("VECTOR", "RGBA")
     }
@@ -68,12 +69,14 @@ def test_before_and_after_swap_values_alone(scene, brick):
     bpy.ops.skylight.before_after(show="BEFORE")  # twice is once
     assert matrix() == pytest.approx(rgb)
     bpy.ops.skylight.update()
-    assert inputs() == ours["Wall"] and before.shown_now() == []
+    assert inputs() == ours["Wall"] and rgb_comparison.shown_now() == []
     bpy.ops.skylight.before_after()
     copy = material().copy()  # says so on its own
-    assert copy in before.shown_now()
+    assert copy in rgb_comparison.shown_now()
     bpy.ops.skylight.remove_all()
-    assert not any(owned.OTHER in m or owned.BEFORE in m for m in bpy.data.materials)
+    assert not any(
+        saved_settings.OTHER in m or saved_settings.BEFORE in m for m in bpy.data.materials
+    )
 
 
 def rgb_of(path, column):
@@ -120,15 +123,15 @@ def test_the_view_transform_is_explained(scene):
     with pytest.raises(TypeError) as caught:
         scene.view_settings.view_transform = "None of them"
     names = str(caught.value).partition("not found in (")[2].rstrip(")").split(", ")
-    assert {name.strip("'") for name in names} <= set(view.TRANSFORMS)
+    assert {name.strip("'") for name in names} <= set(view_transform.TRANSFORMS)
     scene.view_settings.view_transform = "Standard"
-    assert view.transform_line(scene)[0]
+    assert view_transform.transform_line(scene)[0]
     assert "Standard: shows colors as computed" in drawn(panels.SKYLIGHT_PT_result).text
     scene.view_settings.view_transform = "AgX"
-    fit, line = view.transform_line(scene)
+    fit, line = view_transform.transform_line(scene)
     assert not fit and line.startswith("AgX: ")
     scene.view_settings.look = "AgX - Punchy"
-    assert "AgX - Punchy" in view.transform_line(scene)[1]
+    assert "AgX - Punchy" in view_transform.transform_line(scene)[1]
 
 
 def test_a_neutral_white_is_no_second_one(scene, brick):
@@ -155,7 +158,7 @@ def test_a_neutral_white_is_no_second_one(scene, brick):
     bpy.ops.skylight.neutral_white()
     scene.world.skylight.white_balanced = True
     bpy.ops.skylight.update()  # what would be twice from now on is taken back
-    assert not settings.use_white_balance and view.KEPT not in scene
+    assert not settings.use_white_balance and view_transform.KEPT not in scene
     scene.world.skylight.white_balanced = False
     bpy.ops.skylight.update()
     bpy.ops.skylight.neutral_white()
@@ -166,8 +169,8 @@ def test_a_neutral_white_is_no_second_one(scene, brick):
 def test_light_beyond_the_white_balance_is_refused(scene, brick):
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     with pytest.raises(ValueError, match="beyond Blender's white balance"):
-        view.neutral(scene, [0.1, 0.2, 5.0])
-    assert not scene.view_settings.use_white_balance and view.KEPT not in scene
+        view_transform.neutral(scene, [0.1, 0.2, 5.0])
+    assert not scene.view_settings.use_white_balance and view_transform.KEPT not in scene
 
 
 @pytest.mark.slow

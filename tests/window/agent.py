@@ -39,7 +39,7 @@ def at_work():
 def matrix(name):
     """The matrix that a material was given, None without."""
     package = "bl_ext.user_default.spectral_skylight"
-    materials = importlib.import_module(package + ".addon.scene.materials")
+    materials = importlib.import_module(package + ".addon.scene.materials.spectral_material")
     found = materials.managed(bpy.data.materials[name])
     return found and [list(row) for row in found.matrix]
 

@@ -1,0 +1,239 @@
+"""The mesh of ours that keeps what was baked for an object, and the modifier that reads it.
+
+The user's mesh is not touched. A bake belongs to an object, not to its mesh: linked duplicates have
+one each. See `node_groups.sky_bake` for how it is laid out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ....node_groups import modifiers, sky_bake
+
+BITS = "skylight_shares"  # with a number: of 16 rays of a point, how much reaches the sky
+BEHIND = "skylight_behind"  # … the same as seen from behind
+NORMAL = "skylight_normal"  # a point's normal in the world; 1 where its back was baked
+STEP = 1e-5  # of the object's size: corners nearer than this, and with one normal, are one point
+
+
+def modifier_of(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
+    """The `Sky Bake` modifier of an object."""
+    return modifiers.of_kind(obj, sky_bake.KIND)
+
+
+def bake_of(obj: bpy.types.Object) -> bpy.types.Object | None:
+    """The object of ours that keeps this object's bake, None without one."""
+    modifier = modifier_of(obj)
+    return None if modifier is None else modifiers.get_input(modifier, "Bake")
+
+
+def points_of(obj: bpy.types.Object) -> int:
+    """How many points the bake of an object has."""
+    return modifiers.get_input(modifier_of(obj), "Faces")
+
+
+def ensure(obj: bpy.types.Object) -> bpy.types.Object:
+    """An empty bake for an object, which has the modifier afterwards.
+
+    A bake that a copy of the object shares is left to the copy.
+    """
+    modifier = modifier_of(obj)
+    if modifier is None:
+        modifier = obj.modifiers.new(sky_bake.KIND, "NODES")
+        modifier.show_in_editmode = False
+        modifier.use_pin_to_last = True
+    modifier.node_group = sky_bake.ensure()
+    old = modifiers.get_input(modifier, "Bake")
+    if old is None or sum(bake_of(other) == old for other in bpy.data.objects) > 1:
+        name = f"{sky_bake.KIND} {obj.name}"
+        old = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+        modifiers.set_inputs(modifier, Bake=old)
+    old.data.clear_geometry()
+    return old
+
+
+def remove(obj: bpy.types.Object) -> None:
+    """Take modifier and bake away; without any left in the file, the group too."""
+    modifier = modifier_of(obj)
+    if modifier is None:
+        return
+    bake, tree = modifiers.get_input(modifier, "Bake"), modifier.node_group
+    obj.modifiers.remove(modifier)
+    if bake is not None and not any(bake_of(other) == bake for other in bpy.data.objects):
+        mesh = bake.data
+        bpy.data.objects.remove(bake)
+        bpy.data.meshes.remove(mesh)
+    if tree.users == 0:
+        bpy.data.node_groups.remove(tree)
+
+
+@dataclass
+class Fine:
+    """An evaluated, subdivided mesh as a bake sees it: its corners brought to points.
+
+    A point is a place with a normal: corners of one face after another that share both share it.
+    """
+
+    places: NDArray[np.float64]
+    """(p, 3), in the object's space."""
+    normals: NDArray[np.float64]
+    """(p, 3), unit."""
+    keys: NDArray[np.uint64]
+    """(p,), ascending: a number for each, the same in each subdivision of one mesh."""
+    point: NDArray[np.int64]
+    """(c,), each corner's point."""
+    starts: NDArray[np.int64]
+    """(f + 1,), each face's first corner, and the count of corners."""
+    coarse: NDArray[np.int64]
+    """(f,), each face's number before subdivision."""
+    slots: NDArray[np.int64]
+    """(f,), each face's material slot."""
+    materials: list[str] = field(default_factory=list)
+    """Full names of the slots' materials, empty for none."""
+    managed: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, bool))
+    """(f,), whether a face's material is managed."""
+
+    @property
+    def face(self) -> NDArray[np.int64]:
+        """(c,), each corner's face."""
+        return np.repeat(np.arange(len(self.coarse)), np.diff(self.starts))
+
+    def mean(self, of_corners: NDArray) -> NDArray:
+        """The mean (f, …) over each face of what its corners (c, …) have."""
+        total = np.add.reduceat(of_corners, self.starts[:-1], axis=0)
+        return total / np.diff(self.starts).reshape(-1, *[1] * (of_corners.ndim - 1))
+
+
+def read(mesh: bpy.types.Mesh) -> Fine:
+    """The faces of an evaluated mesh that came through the modifier."""
+    corners, faces = len(mesh.loops), len(mesh.polygons)
+    vertex, starts = np.empty(corners, np.int32), np.empty(faces, np.int32)
+    slots, coarse = np.empty(faces, np.int32), np.arange(faces, dtype=np.int32)
+    places = np.empty(3 * len(mesh.vertices), np.float32)
+    normals = np.empty(3 * corners, np.float32)
+    mesh.loops.foreach_get("vertex_index", vertex)
+    mesh.polygons.foreach_get("loop_start", starts)
+    mesh.polygons.foreach_get("material_index", slots)
+    mesh.vertices.foreach_get("co", places)
+    mesh.corner_normals.foreach_get("vector", normals)
+    if sky_bake.FACE in mesh.attributes:
+        mesh.attributes[sky_bake.FACE].data.foreach_get("value", coarse)
+    at, normal = places.reshape(-1, 3)[vertex].astype(float), normals.reshape(-1, 3).astype(float)
+    at, normal = np.nan_to_num(at), np.nan_to_num(normal)  # faces without area may have no normal
+    step = STEP * (float(np.ptp(at, axis=0).max()) if corners else 0.0) or 1.0
+    rounded = np.concatenate([np.round(at / step), np.round(normal * 500.0)], axis=1)
+    keys, first, point = np.unique(_keys(rounded), return_index=True, return_inverse=True)
+    unit = normal[first]
+    length = np.linalg.norm(unit, axis=1, keepdims=True)
+    return Fine(
+        at[first],
+        np.divide(unit, length, out=np.zeros_like(unit), where=length > 0.5),
+        keys,
+        point.reshape(-1),
+        np.append(starts, corners).astype(np.int64),
+        coarse.astype(np.int64),
+        slots.astype(np.int64),
+    )
+
+
+def _keys(rounded: NDArray[np.float64]) -> NDArray[np.uint64]:
+    """One number for each row, the same for the same rows (and for 1 in 10^8 pairs of millions)."""
+    odd = np.random.default_rng(7).integers(2**62, 2**63, rounded.shape[1]).astype(np.uint64) | 1
+    whole = rounded.astype(np.int64).astype(np.uint64)
+    mixed = (whole * odd).sum(axis=1, dtype=np.uint64)
+    return mixed ^ (mixed >> np.uint64(31))
+
+
+def write_levels(bake: bpy.types.Object, levels: NDArray, split: NDArray) -> None:
+    """Say how often each face (n,) is halved, and whether it is triangulated first."""
+    mesh = bake.data
+    mesh.clear_geometry()
+    mesh.vertices.add(len(levels))
+    _store(mesh, sky_bake.LEVEL, "INT", levels.astype(np.int32))
+    _store(mesh, sky_bake.SPLIT, "BOOLEAN", split.astype(bool))
+    mesh.update()
+    bake.update_tag()
+
+
+def write(
+    obj: bpy.types.Object,
+    bake: bpy.types.Object,
+    fine: Fine,
+    levels: NDArray,
+    split: NDArray,
+    attributes: Mapping[str, NDArray],
+    bits: Mapping[str, NDArray[np.uint8]],
+    normals: NDArray,
+) -> None:
+    """Keep a bake: attributes (p, 4), shares of rays (p, rays / 4) and normals (p, 4) of points."""
+    mesh, points = bake.data, len(fine.places)
+    mesh.clear_geometry()
+    mesh.vertices.add(points + len(levels))
+    mesh.loops.add(len(fine.point))
+    mesh.polygons.add(len(fine.coarse))
+    places = np.zeros((points + len(levels), 3), np.float32)
+    places[:points] = fine.places
+    mesh.vertices.foreach_set("co", places.ravel())
+    mesh.loops.foreach_set("vertex_index", fine.point.astype(np.int32))
+    mesh.polygons.foreach_set("loop_start", fine.starts[:-1].astype(np.int32))
+    mesh.update(calc_edges=True)
+    padded = np.zeros(points + len(levels), np.int32)
+    padded[points:] = levels
+    _store(mesh, sky_bake.LEVEL, "INT", padded)
+    padded[points:] = split
+    _store(mesh, sky_bake.SPLIT, "BOOLEAN", padded.astype(bool))
+    padded[points:] = 0
+    for name, each in bits.items():
+        for number, column in enumerate(np.ascontiguousarray(each).view(np.int32).T):
+            padded[:points] = column
+            _store(mesh, f"{name}_{number}", "INT", padded)
+    for name, values in attributes.items():
+        write_attribute(bake, name, values)
+    write_attribute(bake, NORMAL, normals)
+    modifier = modifier_of(obj)
+    near = sky_bake.NEAR * float(np.ptp(fine.places, axis=0).max())
+    modifiers.set_inputs(modifier, Faces=points, Near=near, Back=BEHIND in bits)
+    bake.update_tag()
+    obj.update_tag()
+
+
+def write_attribute(bake: bpy.types.Object, name: str, values: NDArray) -> None:
+    """Keep a colour (p, 4) for each point of a bake."""
+    mesh = bake.data
+    padded = np.zeros((len(mesh.vertices), 4), np.float32)
+    padded[: len(values)] = values
+    _store(mesh, name, "FLOAT_COLOR", padded.ravel())
+
+
+def read_attribute(bake: bpy.types.Object, name: str, points: int) -> NDArray[np.float32]:
+    """The colour (points, 4) of each point of a bake, 0 where it has none."""
+    found = bake.data.attributes.get(name)
+    values = np.zeros(4 * len(bake.data.vertices), np.float32)
+    if found is not None:
+        found.data.foreach_get("color", values)
+    return values.reshape(-1, 4)[:points]
+
+
+def read_bits(bake: bpy.types.Object, points: int, name: str = BITS) -> NDArray[np.uint8]:
+    """How far the rays of each point reach the sky (`visibility.Views`), (points, rays / 4).
+
+    Empty of a bake that knew it otherwise, as older ones do.
+    """
+    columns: list[NDArray] = []
+    while (found := bake.data.attributes.get(f"{name}_{len(columns)}")) is not None:
+        values = np.empty(len(bake.data.vertices), np.int32)
+        found.data.foreach_get("value", values)
+        columns.append(values[:points])
+    if not columns:
+        return np.empty((points, 0), np.uint8)
+    return np.ascontiguousarray(np.stack(columns, axis=1)).view(np.uint8)
+
+
+def _store(mesh: bpy.types.Mesh, name: str, kind: str, values: NDArray) -> None:
+    attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, "POINT")
+    attribute.data.foreach_set("color" if kind == "FLOAT_COLOR" else "value", values)

@@ -1,0 +1,1 @@
+"""Blender's data blocks: node trees, drivers, fingerprints, working space."""

@@ -1,0 +1,1 @@
+"""Blend files and asset libraries on disk."""

@@ -1,0 +1,76 @@
+"""Opening and saving blend files from a script, and finding in them what a command names."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NoReturn
+
+import bpy
+
+from ...errors import InputError
+
+
+def open_scene(path: str | Path) -> bpy.types.Scene:
+    """Open a blend file, without running its scripts, and return its active scene.
+
+    Raises InputError for a file that is missing or that Blender cannot open.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise InputError(path, "there is no such file", "check the path")
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        reason = str(error).strip().splitlines()[-1]
+        raise InputError(path, f"Blender cannot open it ({reason})", "give a .blend") from error
+    return bpy.context.scene
+
+
+def material(name: str) -> bpy.types.Material:
+    """Return the file's own material of this name, else a linked one; InputError without."""
+    found = bpy.data.materials.get((name, None)) or bpy.data.materials.get(name)
+    return found or _absent("material", name, [m.name for m in bpy.data.materials])
+
+
+def lamp(name: str) -> bpy.types.Object:
+    """Return the lamp (object) of this name; InputError without."""
+    lamps = [obj for obj in bpy.data.objects if obj.type == "LIGHT"]
+    found = next((obj for obj in lamps if obj.name == name), None)
+    return found or _absent("lamp", name, [obj.name for obj in lamps])
+
+
+def _absent(kind: str, name: str, known: list[str]) -> NoReturn:
+    names = ", ".join(f"'{each}'" for each in known[:12]) or "none at all"
+    raise InputError(
+        bpy.data.filepath or "the file", f"has no {kind} '{name}'", f"there are {names}"
+    )
+
+
+def save(path: str | Path) -> None:
+    """Save the open file as ``path``, whole or not at all; the open file keeps its name.
+
+    Relative paths in it are adapted to the new folder. Raises InputError for a folder that does
+    not exist or cannot be written to.
+    """
+    with whole(Path(path).resolve()) as part:
+        bpy.ops.wm.save_as_mainfile(filepath=str(part), copy=True, check_existing=False)
+
+
+@contextlib.contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """Yield a path to write to, which becomes ``path`` if all went well, and is gone if not.
+
+    Raises InputError where it cannot be written.
+    """
+    part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        yield part
+        part.replace(path)
+    except (RuntimeError, OSError) as error:
+        reason = str(error).strip().splitlines()[-1]
+        raise InputError(path, f"cannot be written ({reason})", "check the folder") from error
+    finally:
+        part.unlink(missing_ok=True)

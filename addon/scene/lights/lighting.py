@@ -1,0 +1,278 @@
+"""The lights of a World: what its sky, ground, sun and lamps give to materials, and their lamps."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ....node_groups import light_probe, skylight_surface
+from ....node_groups.skylight_surface import Features
+from ...sky.direct_sun import SunLight, restored_sun
+from ...sky.dome import Dome, dome
+from ...sky.harmonics import fit_sky
+from ...sky.irradiance import fit_coefficients
+from ...sky.light import SkyLight
+from ...sky.polynomial import HIGHEST_DEGREE, evaluate_polynomial, raised
+from ...spectra.working_spaces import XYZ_to_working
+from ...transfer.ground import GroundLight, ground_light, is_grey, split
+from ...transfer.matrices import Transfer
+from ...transfer.prefilter import balanced_rgb, prefiltered
+from ..bake import scene_bake
+from ..world import hdri as worlds
+from ..world import light_group, view_transform
+from ..world.settings import BAKED, DOME, OPEN
+from . import dome_lamps, light_linking, sun_lamp
+from . import user_lamps as own_lamps
+from .user_lamps import Lamps
+
+
+@dataclass(frozen=True)
+class Lights:
+    """What shines on a World's materials, found before anything changes.
+
+    ``coefficients``: of the sky's irradiance without the ground's; ``spectra``: those of the lights
+    in `skylight_surface.LIGHTS` that there are, (81,) each; ``neighbours``: of receiving materials,
+    by name, the reflectances (2, 81) of what sends them light, None without bounces.
+    """
+
+    light: SkyLight
+    transfer: Transfer
+    coefficients: NDArray[np.float64]
+    occlusion: str = OPEN
+    sun: SunLight | None = None
+    ground: GroundLight | None = None
+    lamps: Lamps | None = None
+    dome: Dome | None = None
+    spectra: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    neighbours: dict[str, NDArray[np.float64]] | None = None
+
+    @property
+    def features(self) -> Features:
+        """What the World's shader has to hold."""
+        return Features(
+            self.occlusion,  # type: ignore[arg-type]
+            probe=self.sun is not None or self.lamps is not None or self.dome is not None,
+            ground=self.ground is not None,
+            bounce=self.neighbours is not None,
+        )
+
+    @property
+    def lines(self) -> list[str]:
+        """What is put beside the sky, a sentence each."""
+        lines = []
+        if self.sun is not None:
+            lines.append(self.sun.line)
+        if self.ground is None:
+            lines.append("light from below: the HDRI's own ground, which is grey")
+        else:
+            lines.append(self.ground.line)
+        if self.lamps is not None and self.lamps.classes.line:
+            lines.append(f"Eevee keeps two spectra of lamps apart: {self.lamps.classes.line}")
+        if self.dome is not None:
+            lines.append(
+                f"shadows of the sky from {len(self.dome.numbers)} soft suns, in Eevee alone "
+                f"(two numbers of colour leave {100 * self.dome.left:.1f} %); Cycles sees all of it"
+            )
+        return lines
+
+    @property
+    def caption(self) -> str:
+        """What a picture must say as long as not all light is in it."""
+        shadows = {
+            OPEN: "open sky: no shadows yet",
+            BAKED: "the sky's shadows are baked" + ", one bounce too" * self.features.bounce,
+            DOME: "the sky's shadows are live",
+        }[self.occlusion]
+        if self.light.sun is None:
+            return shadows
+        if self.sun is not None:
+            return shadows.replace("no shadows yet", "no shadows but the sun's yet")
+        share = f"{100 * self.light.sun_share:.0f} % of this sky's light"
+        return f"{shadows}; the sun ({share}) is not on your materials"
+
+    def level(self, towards_sun: NDArray[np.float64] | None) -> NDArray[np.float64]:
+        """Return the RGB of a white, level face in the open, (3,), sun and sky, as materials are.
+
+        ``towards_sun`` (3,): where the sun stands in the world, None without one that shines.
+        """
+        white = self.transfer.to_working @ self.light.faces[0]
+        if self.sun is not None and towards_sun is not None:
+            sun = balanced_rgb(self.sun.spectrum, self.transfer)
+            white = white + max(0.0, float(towards_sun[2])) * sun
+        return white
+
+    @property
+    def white_luminance(self) -> float:
+        """The luminance of a white, level face in the open under the sky alone."""
+        to_Y = np.linalg.inv(XYZ_to_working(self.transfer.space))[1]
+        return float(to_Y @ self.transfer.to_working @ self.light.faces[0])
+
+    def bounced(self, name: str, rho: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        """Return what a material (81,) makes of light by way of its neighbours.
+
+        Their matrix is that of both reflectances' product, not the product of two matrices.
+        """
+        if self.neighbours is None:
+            return {}
+        inputs = {}
+        by = self.neighbours.get(name, np.zeros((2, 81)))
+        for way, product in zip(skylight_surface.BOUNCES, rho * by, strict=True):
+            for row, values in zip("RGB", self.transfer.matrices(product), strict=True):
+                inputs[f"{way} {row}"] = values
+            sun = self.spectra.get("Sun")
+            if sun is not None:
+                inputs[f"{way} Sun"] = prefiltered(product, sun, self.transfer.space)
+        return inputs
+
+    def reflected(self, rho: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+        """Return what reflectances (m, 81) make of each light, (m, 3).
+
+        Of a lamp with its colour, which lies nowhere else; its brightness is the probe's.
+        """
+        found = {
+            name: prefiltered(rho, spectrum, self.transfer.space)
+            for name, spectrum in self.spectra.items()
+        }
+        for name in ("Lamp 1", "Lamp 2"):
+            if name in found:
+                found[name] = found[name] * balanced_rgb(self.spectra[name], self.transfer)
+        if self.lamps is not None and self.sun is None:
+            # Cycles lights by one colour a material, see `sun_lamp.set_cycles_colour`.
+            found["Sun"] = prefiltered(rho, self.spectra["Lamp 1"], self.transfer.space)
+        return found
+
+
+def find(
+    light: SkyLight,
+    transfer: Transfer,
+    *,
+    lamps: Lamps | None = None,
+    with_sun: bool = True,
+    ground: str | NDArray[np.float64] = "hdri",
+    occlusion: str = OPEN,
+    neighbours: dict[str, NDArray[np.float64]] | None = None,
+) -> Lights:
+    """Return the lights of a sky beside a scene's ``lamps``, computed and checked.
+
+    ``ground``: one of `transfer.ground.CHOICES`, or the reflectance (81,) of a modelled one, which
+    is grey's else; ``occlusion``: `OPEN`, `BAKED` or `DOME`; ``neighbours`` as `Lights` has them.
+    Raises InputError for an unknown ground.
+    """
+    spectra = {}
+    sun = None
+    if light.sun is not None and with_sun:
+        sun = restored_sun(light.sun, light, transfer.S_in, transfer.white)
+        spectra["Sun"] = sun.spectrum
+    below = None
+    # Without shadows the light of a grey ground is one with the sky's.
+    if not isinstance(ground, str):
+        below = ground_light("modelled", light, transfer, sun, ground)
+    elif ground != "hdri" or occlusion != OPEN or not is_grey(light, transfer):
+        below = ground_light(ground, light, transfer, sun)
+    if below is not None:
+        spectra["Ground"] = below.spectrum
+    if lamps is not None:
+        for k, spectrum in enumerate(lamps.classes.spectra):
+            spectra[f"Lamp {k + 1}"] = spectrum
+    return Lights(
+        light,
+        transfer,
+        light.fit.coefficients if below is None else _sky_alone(light, transfer, below),
+        occlusion,
+        sun,
+        below,
+        lamps,
+        dome(light.sky) if occlusion == DOME else None,
+        spectra,
+        neighbours if occlusion == BAKED else None,
+    )
+
+
+def _sky_alone(light: SkyLight, transfer: Transfer, ground: GroundLight) -> NDArray[np.float64]:
+    """Return the sky's polynomial: that of all light less the ground's.
+
+    So their sum is as near as one polynomial comes, although the sky alone has a hard horizon.
+    """
+    white = prefiltered(np.ones(81), ground.spectrum, transfer.space)
+    from_ground = ground.coefficients * white @ np.linalg.inv(transfer.to_working).T
+    total = light.fit.coefficients
+    if ground.choice != "hdri":
+        upper, lower = split(np.ones_like(light.sky))
+        below = evaluate_polynomial(from_ground, [[0.0, 0.0, -1.0]])[0]
+        panorama = light.sky * upper + lower * below.astype(np.float32)
+        total = fit_coefficients(panorama, max(light.fit.degree, 4)).coefficients
+    return raised(total, HIGHEST_DEGREE) - raised(from_ground, HIGHEST_DEGREE)
+
+
+def install(world: bpy.types.World, lights: Lights) -> None:
+    """Put lights into the World's group and its lamps into all scenes that it lights."""
+    light_group.ensure(world, lights.features)
+    light_group.set_coefficients(world, lights.coefficients)
+    if lights.ground is not None:
+        light_group.set_ground(world, lights.ground.coefficients)
+    rgb = np.zeros(3)
+    if lights.sun is not None:
+        rgb = balanced_rgb(lights.sun.spectrum, lights.transfer)
+    if lights.features.probe:
+        light_group.set_probe(world, light_probe.SUN, rgb)
+    if lights.dome is not None:
+        for name, colour in zip(
+            (light_probe.GREEN, light_probe.BLUE), lights.dome.colours, strict=True
+        ):
+            light_group.set_probe(world, name, colour)
+    if lights.occlusion == BAKED:
+        light_bakes(world, lights.light)
+    for scene in scenes_of(world):
+        if lights.sun is not None:
+            assert lights.light.sun is not None
+            sun_lamp.place(scene, lights.light.sun.direction, rgb, float(lights.light.sky.max()))
+        else:
+            sun_lamp.remove(scene, (sun_lamp.SUN,))
+        if lights.lamps is not None:
+            own_lamps.place(scene, lights.lamps, lights.transfer)
+        else:
+            sun_lamp.remove(scene, (own_lamps.TWIN,))
+        if lights.dome is not None:
+            dome_lamps.place(scene, lights.dome)
+        else:
+            sun_lamp.remove(scene, (dome_lamps.DOME,))
+
+
+def light_bakes(world: bpy.types.World, light: SkyLight) -> None:
+    """Light what is baked by a World's sky as it is turned now."""
+    sky = worlds.sky_of(world)
+    turn = -sky.rotation[2] if sky.inverse else sky.rotation[2]
+    group = skylight_surface.part(light_group.ensure(world), skylight_surface.VISIBILITY)
+    scene_bake.light(group, light.sky, fit_sky(light.sky), turn)
+
+
+def refresh(world: bpy.types.World) -> list[str]:
+    """Let the lamps shine on all objects that now have managed materials; return warnings."""
+    lines = []
+    for scene in scenes_of(world):
+        if light_linking.find(scene) is None:
+            continue
+        light_linking.ensure(scene)
+        if names := [f'"{obj.name}"' for obj in light_linking.mixed(scene)]:
+            lines.append(
+                f"no sun on {', '.join(names[:5])}{' …' if names[5:] else ''}: beside spectral "
+                "materials it has others, which the sun's lamp would burn out"
+            )
+    return lines
+
+
+def remove(world: bpy.types.World) -> None:
+    """Take our lamps out of all scenes of a World."""
+    parts = (sun_lamp.SUN, own_lamps.TWIN, dome_lamps.DOME, sun_lamp.TURN)
+    for scene in scenes_of(world):
+        sun_lamp.remove(scene, parts)
+        view_transform.give_back(scene)
+    sun_lamp.release_threshold(world)
+
+
+def scenes_of(world: bpy.types.World) -> list[bpy.types.Scene]:
+    """The scenes that a World lights."""
+    return [scene for scene in bpy.data.scenes if scene.world == world]

@@ -1,0 +1,129 @@
+"""Which materials can be made spectral without asking, and why the others are left alone.
+
+An emitter's light, what glass and volumes let through and the hole of a holdout have no diffuse
+reflectance that a base colour could tell. Only node trees are read; nothing changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import bpy
+from bpy.types import Node
+from bpy.types import NodeSocket as Socket
+
+from ...errors import InputError
+from ..blend_data import nodes
+from . import shader_rewrite, spectral_material
+
+VOLUMES = {"PRINCIPLED_VOLUME", "VOLUME_ABSORPTION", "VOLUME_SCATTER", "VOLUME_COEFFICIENTS"}
+HAIR = {"BSDF_HAIR", "BSDF_HAIR_PRINCIPLED"}
+THROUGH = {"BSDF_TRANSPARENT"}
+
+
+def materials_of(scene: bpy.types.Scene) -> list[bpy.types.Material]:
+    """The materials that a scene shows: of its objects and of what these instance, each once.
+
+    Only of the active scene is known what modifiers make.
+    """
+    objects = list(scene.objects)
+    for obj in scene.objects:
+        if obj.instance_type == "COLLECTION" and obj.instance_collection is not None:
+            objects += obj.instance_collection.all_objects
+    made = set()
+    if scene == bpy.context.scene:
+        for each in bpy.context.evaluated_depsgraph_get().object_instances:
+            data, slots = each.object.data, each.object.material_slots
+            used = [*getattr(data, "materials", ()), *(slot.material for slot in slots)]
+            made.update(material.original for material in used if material is not None)
+    by_name = sorted(made, key=lambda material: material.name_full)
+    return list(dict.fromkeys([*spectral_material.materials_of(objects), *by_name]))
+
+
+def reason(material: bpy.types.Material) -> str:
+    """Why a material is left alone, empty where a reflectance can stand for its surface.
+
+    Of a managed one: of what it was before.
+    """
+    if why := unchangeable(material):
+        return why
+    outputs = spectral_material.outputs_of(material)
+    if not outputs:
+        return "" if spectral_material.without_nodes(material) else "has no surface shader"
+    if any(nodes.source(output.inputs["Volume"]) is not None for output in outputs):
+        return "is a volume"
+    found = [reason_of(spectral_material.source_before(material.node_tree, out)) for out in outputs]
+    return next(filter(None, found), "")
+
+
+def unchangeable(material: bpy.types.Material) -> str:
+    """Why this file cannot change a material, empty where it can."""
+    try:
+        spectral_material.check_editable(material)
+    except InputError as error:
+        return error.problem
+    return ""
+
+
+def reason_of(shader: Socket | None) -> str:
+    """Why the shader that feeds an output is none to replace, empty where it is."""
+    if shader is None:
+        return "has no surface shader"
+    leaves = list(_leaves(shader))
+    for why, holds in (
+        ("is a holdout", lambda node: node.type == "HOLDOUT"),
+        ("gives light of its own", _shines),
+        ("is glass: give it a transmittance", _is_glass),
+        ("is a volume", lambda node: node.type in VOLUMES),
+        ("is hair", lambda node: node.type in HAIR),
+    ):
+        if any(holds(node) for node in leaves):
+            return why
+    seen = shader_rewrite.read(shader)
+    if not seen.targets:
+        clear = bool(leaves) and all(node.type in THROUGH for node in leaves)
+        return "is clear" if clear else "has no surface that a base colour tells of"
+    if (
+        all(node.type in shader_rewrite.METALS for node in seen.targets)
+        or seen.kind == shader_rewrite.gloss.METAL
+    ):
+        return "is a metal: give it its n and k"
+    if shader_rewrite.colour_input(seen.targets[0]) is None:
+        return f'its "{seen.targets[0].name}" tells no base colour'
+    return ""
+
+
+def _leaves(shader: Socket | None, depth: int = 0) -> Iterator[Node]:
+    """The shaders that a shader mixes, those inside groups too."""
+    for node in shader_rewrite.leaves(shader):
+        yield node
+        if node.type == "GROUP" and node.node_tree is not None and depth < 8:
+            yield from _inside(node.node_tree, depth + 1)
+
+
+def _inside(tree: bpy.types.NodeTree, depth: int) -> Iterator[Node]:
+    ends: Iterable[Node] = (node for node in tree.nodes if node.type == "GROUP_OUTPUT")
+    for end in ends:
+        for socket in end.inputs:
+            if socket.type == "SHADER":
+                yield from _leaves(nodes.source(socket), depth)
+
+
+def _shines(node: Node) -> bool:
+    if node.type == "BACKGROUND":
+        return True
+    if node.type == "EMISSION":
+        return shader_rewrite.shows(node, "Strength") and _coloured(node.inputs["Color"])
+    if "Emission Strength" not in node.inputs:
+        return node.type == "EEVEE_SPECULAR" and _coloured(node.inputs["Emissive Color"])
+    return shader_rewrite.shows(node, "Emission Strength") and _coloured(
+        node.inputs["Emission Color"]
+    )
+
+
+def _coloured(socket: Socket) -> bool:
+    return nodes.source(socket) is not None or any(part > 0 for part in socket.default_value[:3])
+
+
+def _is_glass(node: Node) -> bool:
+    return node.type in shader_rewrite.GLASSES or shader_rewrite.shows(node, "Transmission Weight")

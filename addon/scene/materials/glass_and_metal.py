@@ -1,0 +1,147 @@
+"""Glass and metal: what lets light through or mirrors it, by RGB that hold under one World's sky.
+
+A pane tints what is seen through it. What lies behind it is lit through it by numbers of its own
+(the product of transmittance and reflectance), so the lamps of the light probe pass through panes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ....node_groups import glazing, gloss
+from ....node_groups import tree as groups
+from ...errors import InputError
+from ...sky.light import SkyLight
+from ...spectra.illuminants import D65
+from ...transfer.matrices import Transfer
+from ...transfer.metals import tints
+from ...transfer.prefilter import prefiltered
+from ..blend_data import drivers, nodes
+from ..lights import sun_lamp
+from . import rgb_comparison, saved_settings, shader_rewrite, spectral_material
+
+PANES = "spectral_skylight_panes"  # on the collection that lamps pass through
+
+
+def glaze(
+    material: bpy.types.Material, name: str, transmittance: NDArray[np.float64], faces: int = 1
+) -> None:
+    """Make a material glass of a transmittance (81,) as measured; its colour comes by `refresh`.
+
+    ``faces``: 1 where a pane is a single face, 2 where it is a closed block. Roughness and relief
+    of the old shader stay on what is mirrored. `spectral_material.remove` takes it off again.
+    Raises InputError for a linked or overridden material.
+    """
+    spectral_material.check_editable(material)
+    node = pane_node(material)
+    if node is None or not node.outputs[0].is_linked:
+        spectral_material.remove(material)
+        outputs = spectral_material.remember(material)
+        tree = material.node_tree
+        before = nodes.source(outputs[0].inputs["Surface"])
+        node = groups.add(tree, "ShaderNodeGroup", node_tree=glazing.ensure(), label=glazing.KIND)
+        node[shader_rewrite.OURS] = "glass"
+        node.location = outputs[0].location.x - 40, outputs[0].location.y + 260
+        for key in ("Roughness", "Normal"):
+            if before is not None and key in before.node.inputs:
+                drivers.take(material, before.node.inputs[key], node.inputs[key])
+        for output in outputs:
+            tree.links.new(node.outputs[0], output.inputs["Surface"])
+    node.inputs["Faces"].default_value = float(faces)
+    saved_settings.own(material, saved_settings.GLASS)
+    material[nodes.MANAGED] = {
+        **material[nodes.MANAGED].to_dict(),
+        "id": glazing.KIND,
+        "reflectance": name,
+        "values": np.asarray(transmittance, dtype=float).tolist(),
+    }
+
+
+def pane_node(material: bpy.types.Material | None) -> bpy.types.Node | None:
+    """The `Spectral Glazing` node of a material that is glass of ours, None for another."""
+    if material is None or nodes.MANAGED not in material or material.node_tree is None:
+        return None
+    return next(
+        (n for n in material.node_tree.nodes if n.get(shader_rewrite.OURS) == "glass"), None
+    )
+
+
+def pane_of(material: bpy.types.Material) -> tuple[str, NDArray[np.float64], None, int]:
+    """What `glaze` made a material of: name, transmittance (81,), no metal, and faces."""
+    node, record = pane_node(material), material[nodes.MANAGED]
+    assert node is not None
+    faces = round(node.inputs["Faces"].default_value)
+    return record["reflectance"], np.array(record["values"]), None, faces
+
+
+def keep_metal(material: bpy.types.Material, n: Iterable[float], k: Iterable[float]) -> None:
+    """Keep with a managed material the n and k, (81,) each, that its metal has."""
+    material[saved_settings.METAL] = [*map(float, n), *map(float, k)]
+
+
+def check_metal(material: bpy.types.Material) -> None:
+    """Raise InputError for a material that shows no metal."""
+    if not spectral_material.look_of(material).metal:
+        raise InputError(
+            f'material "{material.name}"', "shows no metal", "set its Metallic to 1, or textured"
+        )
+
+
+def metal_of(material: bpy.types.Material) -> tuple[NDArray, NDArray] | None:
+    """What `keep_metal` kept, None without."""
+    if saved_settings.METAL not in material:
+        return None
+    n, k = np.array(material[saved_settings.METAL]).reshape(2, 81)
+    return n, k
+
+
+def refresh(scenes: Iterable[bpy.types.Scene], light: SkyLight, transfer: Transfer) -> list[str]:
+    """Colour glass and metal by a sky, and let the lamps of scenes through panes; warnings."""
+    sky = transfer.restoration @ transfer.unbalanced(light.faces.mean(axis=0))
+    for material in [m for m in bpy.data.materials if m.is_editable]:
+        if (metal := metal_of(material)) is not None:
+            shader_rewrite.set_metal(material, *tints(*metal, sky, transfer.space))
+            plain = zip(gloss.METAL_COLOURS, tints(*metal, D65(), transfer.space), strict=True)
+            rgb_comparison.keep(material, {("gloss", name): (*rgb, 1.0) for name, rgb in plain})
+        elif (node := pane_node(material)) is not None:
+            tau = np.array(material[nodes.MANAGED]["values"])
+            tint, plain_tint = (
+                (*np.clip(prefiltered(tau, spectrum, transfer.space), 0.0, 1.0).tolist(), 1.0)
+                for spectrum in (sky, D65())
+            )
+            node.inputs["Transmittance"].default_value = tint
+            rgb_comparison.keep(material, {("glass", "Transmittance"): plain_tint})
+    return [line for scene in scenes for line in pass_through(scene)]
+
+
+def pass_through(scene: bpy.types.Scene) -> list[str]:
+    """Let our lamps in a scene shine through its panes, up to date; return warnings."""
+    lamps = [obj for obj in scene.objects if obj.type == "LIGHT" and sun_lamp.KEY in obj]
+    held = next((c for c in bpy.data.collections if c.get(PANES) == scene.name), None)
+    glass, parts = [], []
+    for obj in scene.objects:
+        panes = [pane_node(slot.material) is not None for slot in obj.material_slots]
+        if any(panes):
+            (glass if all(panes) else parts).append(obj)
+    if held is not None:
+        bpy.data.collections.remove(held)
+    if glass and lamps:
+        held = bpy.data.collections.new("Skylight Panes")
+        held[PANES] = scene.name
+        for obj in glass:
+            held.objects.link(obj)
+        for entry in held.collection_objects:
+            entry.light_linking.link_state = "EXCLUDE"
+        for lamp in lamps:
+            lamp.light_linking.blocker_collection = held
+    return list(_warned(parts)) if lamps else []
+
+
+def _warned(parts: list[bpy.types.Object]) -> Iterator[str]:
+    if parts:
+        names = ", ".join(f'"{obj.name}"' for obj in parts[:5]) + (" …" if parts[5:] else "")
+        yield f"{names}: glass and frame in one object shade the sun; separate them by material"

@@ -1,0 +1,121 @@
+"""RGB times RGB beside our numbers, for a look at what changes: one shader with other values.
+
+Each material keeps for sockets of ours the value that multiplying RGB by RGB would give; showing
+swaps them with ours. No tree changes, so nothing is compiled, and both ways are blend data: saved,
+undone and copied with the material. Whatever makes materials spectral shows our numbers again.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ....node_groups import skylight_surface, spectral_matrix
+from ...transfer.prediction import rgb_albedo
+from ..blend_data import nodes
+from ..lights.lighting import Lights
+from .saved_settings import BEFORE, OTHER
+from .shader_rewrite import OURS
+
+Values = Mapping[tuple[str, str], Any]
+"""By a node's role and an input's name, the value (3 or 4)."""
+
+
+def surface(found: Lights, name: str, rho: NDArray[np.float64]) -> Values:
+    """What RGB times RGB gives to the inputs of a surface of a reflectance (81,).
+
+    ``name``: of the material, by which it has neighbours.
+    """
+    rgb = rgb_albedo(rho, found.transfer.space)
+    inputs: dict[str, Any] = {**_rows(rgb, found), **_lit(rgb, found)}
+    if found.neighbours is not None:
+        by = found.neighbours.get(name, np.zeros((2, 81)))
+        for way, other in zip(skylight_surface.BOUNCES, by, strict=True):
+            both = rgb * rgb_albedo(other, found.transfer.space)
+            rows = np.diag(both) @ found.transfer.to_working
+            inputs |= {f"{way} {row}": rows[k] for k, row in enumerate("RGB")}
+            inputs[f"{way} Sun"] = both
+    return {("surface", key): value for key, value in inputs.items()}
+
+
+def texture(found: Lights, reflectances: NDArray[np.float64]) -> Values:
+    """What RGB times RGB gives to the inputs of a texture's three reflectances (3, 81)."""
+    values = {}
+    for channel, rho in zip(("Red", "Green", "Blue"), reflectances, strict=True):
+        rgb = rgb_albedo(rho, found.transfer.space)
+        for key, value in {**_rows(rgb, found), **_lit(rgb, found)}.items():
+            values["texture", f"{channel} {key}"] = value
+    return values
+
+
+def keep(material: bpy.types.Material, values: Values) -> None:
+    """Keep with a material the values that RGB times RGB gives; others that were kept stay."""
+    kept = json.loads(material.get(OTHER, "{}"))
+    for (role, name), value in values.items():
+        kept[f"{role}/{name}"] = [float(part) for part in value]
+    material[OTHER] = json.dumps(kept)
+
+
+def show(rgb: bool) -> int:
+    """Let the file's materials show RGB times RGB, or our numbers; count what changed.
+
+    Linked materials stay as they are.
+    """
+    found = [m for m in bpy.data.materials if OTHER in m and (BEFORE in m) != rgb and m.is_editable]
+    for material in found:
+        _swap(material)
+    return len(found)
+
+
+def shown_now() -> list[bpy.types.Material]:
+    """The materials of the file that show RGB times RGB now."""
+    return [material for material in bpy.data.materials if BEFORE in material]
+
+
+def matrices(
+    material: bpy.types.Material, shown: list[list[float]]
+) -> tuple[list[list[float]], list[list[float]] | None]:
+    """Our matrix of a material and the one that RGB times RGB amounts to, whichever is ``shown``.
+
+    The second is None where an earlier version made the material.
+    """
+    kept = json.loads(material.get(OTHER, "{}"))
+    rows = [kept.get(f"surface/{row}") for row in spectral_matrix.ROWS]
+    if not all(rows):
+        return shown, None
+    return (rows, shown) if BEFORE in material else (shown, rows)
+
+
+def _swap(material: bpy.types.Material) -> None:
+    kept = json.loads(material[OTHER])
+    for role, socket in _sockets(material):
+        key = f"{role}/{socket.name}"
+        if key in kept:
+            now = list(socket.default_value)
+            socket.default_value = kept[key]
+            kept[key] = now
+    material[OTHER] = json.dumps(kept)
+    if BEFORE in material:
+        del material[BEFORE]
+    else:
+        material[BEFORE] = True
+
+
+def _sockets(material: bpy.types.Material) -> Iterator[tuple[str, bpy.types.NodeSocket]]:
+    for node in material.node_tree.nodes if nodes.MANAGED in material else ():
+        for socket in node.inputs if OURS in node else ():
+            yield node[OURS], socket
+
+
+def _rows(rgb: NDArray[np.float64], found: Lights) -> dict[str, Sequence[float]]:
+    return dict(zip(spectral_matrix.ROWS, np.diag(rgb) @ found.transfer.to_working, strict=True))
+
+
+def _lit(rgb: NDArray[np.float64], found: Lights) -> dict[str, Sequence[float]]:
+    """Of each light what a white surface reflects of it, times the colour."""
+    return {name: rgb * white for name, white in found.reflected(np.ones(81)).items()}

@@ -1,0 +1,47 @@
+"""Whether what was made spectral still is what the scene shows."""
+
+from __future__ import annotations
+
+import json
+
+import bpy
+
+from .bake import scene_bake
+from .materials import base_color, spectral_material
+from .world.settings import BAKED, stored
+
+UNBAKED = "spectral_skylight_unbaked"  # on a scene: names of objects whose bake is missing or old
+
+
+def colour(material: bpy.types.Material) -> str:
+    """Why a material's reflectance no longer fits its base colour, empty where it does.
+
+    Only for a reflectance that came from there: an estimate, or one that a texture varies.
+    """
+    managed = spectral_material.managed(material)
+    source = None if managed is None else managed.extra.get("source")
+    if managed is None or source is None or source == base_color.source(material):
+        return ""
+    if managed.reflectance_name == base_color.ESTIMATED:
+        return "its base color has changed since it was estimated"
+    return "its texture has changed since it was measured against"
+
+
+def look_at_bakes(scene: bpy.types.Scene) -> list[str]:
+    """Keep with the active scene which objects have no bake or an old one, where bakes show.
+
+    It evaluates the scene: for a button, not for a panel's drawing.
+    """
+    names = [obj.name for obj in scene_bake.stale()] if are_shown(scene) else []
+    scene[UNBAKED] = json.dumps(names)
+    return names
+
+
+def are_shown(scene: bpy.types.Scene) -> bool:
+    """Whether a scene's materials show bakes."""
+    return scene.world is not None and stored(scene.world).get("occlusion") == BAKED
+
+
+def unbaked(scene: bpy.types.Scene) -> list[str]:
+    """What `look_at_bakes` kept."""
+    return json.loads(scene.get(UNBAKED, "[]"))

@@ -1,0 +1,1 @@
+"""Pictures rendered from a scene, whole or not at all."""

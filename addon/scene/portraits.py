@@ -1,0 +1,64 @@
+"""What pictures show of materials, out of the blend file alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable
+
+import bpy
+
+from ...node_groups import skylight_surface
+from ..pictures.portrait import Portrait, plain
+from .materials import base_color, rgb_comparison, spectral_material
+from .world import hdri as worlds
+from .world import light_group, settings
+
+
+def portrait(material: bpy.types.Material) -> Portrait | None:
+    """The numbers of a material, None if it is not managed.
+
+    Files of earlier versions hold neither the sky's spectrum nor what RGB times RGB has, before an
+    update.
+    """
+    managed = spectral_material.managed(material)
+    if managed is None or "values" not in managed.extra:
+        return None
+    sky = (light_group.description_of(managed.world) if managed.world else None) or {}
+    matrix, today = rgb_comparison.matrices(material, managed.matrix)
+    return Portrait(
+        name=managed.reflectance_name,
+        reflectance=plain(managed.extra["values"]),
+        matrix=plain(matrix),
+        spectrum=plain(sky.get("spectrum")),
+        measured=plain(managed.extra.get("measured")),
+        estimated=managed.reflectance_name == base_color.ESTIMATED,
+        today=plain(today),
+    )
+
+
+def sky_key(world: bpy.types.World) -> tuple[Hashable, ...] | None:
+    """All that the map of a World's sky depends on; an HDRI by its name and size.
+
+    None for a World that must be baked and lights nothing yet: nobody has asked for that work.
+    """
+    sky = worlds.sky_of(world)
+    surface = skylight_surface.find(world)
+    described = None if surface is None else surface.get(light_group.DESCRIPTION)
+    if sky.image is None and described is None:
+        return None
+    file = () if sky.image is None else (sky.image.filepath, tuple(sky.image.size))
+    return world.session_uid, sky.name, file, world.get(settings.SETTINGS), described
+
+
+def expected() -> list[tuple[str, float, float]]:
+    """Of each managed material of the file its name and the expected CIEDE2000, the worst first.
+
+    Of RGB × RGB and of its own model; NaN where nothing can be predicted.
+    """
+    found = ((m.name, spectral_material.managed(m)) for m in spectral_material.managed_materials())
+    rows = [
+        (name, managed.extra["rgb_delta_E"], managed.extra["matrix_delta_E"])
+        for name, managed in found
+        if managed is not None and "rgb_delta_E" in managed.extra
+    ]
+    return sorted(rows, key=lambda row: math.inf if math.isnan(row[1]) else -row[1])

@@ -1,0 +1,87 @@
+"""Which lights a World's materials receive where they stand: the ground under them, neighbours."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..sky.light import SkyLight
+from ..transfer.matrices import Transfer
+from ..transfer.white import AUTO
+from .bake import interreflection, sky_exposure
+from .lights import lighting, user_lamps
+from .materials import spectral_material
+from .world import hdri as worlds
+from .world.settings import BAKED, DOME, Settings
+
+
+def find(
+    world: bpy.types.World,
+    light: SkyLight,
+    transfer: Transfer,
+    settings: Settings,
+    reflectances: Mapping[bpy.types.Material, NDArray[np.float64]],
+) -> lighting.Lights:
+    """Return the lights of a World for materials with these reflectances and those it has.
+
+    The ground is chosen by what stands in the World's scene. Raises InputError as `lighting.find`.
+    """
+    scene = next(iter(lighting.scenes_of(world)), None)
+    known = dict(reflectances)
+    for material in spectral_material.managed_materials(world):
+        if material not in known:
+            known[material] = spectral_material.kept(material)[1]
+    rho = np.array(list(known.values())).reshape(-1, 81)
+    baked = settings.occlusion == BAKED
+    return lighting.find(
+        light,
+        transfer,
+        lamps=user_lamps.find(scene, transfer, rho)
+        if scene and settings.occlusion != DOME
+        else None,
+        with_sun=settings.sun,
+        ground=_ground(scene, known, settings),
+        occlusion=settings.occlusion,
+        neighbours=_neighbours(known) if baked and settings.bounce else None,
+    )
+
+
+def _ground(scene, known, settings):
+    """Return one of `transfer.ground.CHOICES`, or the reflectance (81,) of what lies below."""
+    automatic = settings.ground == AUTO
+    if automatic and (settings.occlusion == BAKED or scene is None):
+        return "hdri"  # of which a bake knows how much geometry hides
+    if scene is None or not (automatic or settings.ground == "modelled"):
+        return settings.ground
+    covered, below = sky_exposure.ground_below(scene, list(known))
+    if automatic and not covered:
+        return "hdri"
+    return "modelled" if below is None else known.get(below, "modelled")
+
+
+def _neighbours(
+    known: Mapping[bpy.types.Material, NDArray[np.float64]],
+) -> dict[str, NDArray[np.float64]]:
+    """Return of each material's name what its two kinds of neighbours reflect, (2, 81)."""
+    rho = {material.name_full: values for material, values in known.items()}
+    dark = np.zeros(81)
+    return {
+        name: np.stack(
+            [
+                rho.get(by.first, dark),
+                sum((part * rho.get(other, dark) for other, part in by.others.items()), dark),
+            ]
+        )
+        for name, by in interreflection.neighbours().items()
+    }
+
+
+def towards_sun(
+    world: bpy.types.World, light: SkyLight, settings: Settings
+) -> NDArray[np.float64] | None:
+    """Return where a World's sun stands, (3,), None without one that shines."""
+    sun = light.sun if settings.sun else None
+    return None if sun is None else worlds.in_world(worlds.sky_of(world), sun.direction)

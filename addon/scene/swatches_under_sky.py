@@ -1,0 +1,42 @@
+"""What many reflectances would look like under a World's sky, to choose among them."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import InputError
+from ..transfer.prediction import rgb_albedo
+from ..transfer.swatches import beside
+from . import spectral
+from .blend_data import working_space
+from .world import hdri as worlds
+
+
+def colours(
+    world: bpy.types.World, settings: spectral.Settings, reflectances: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return what reflectances (m, 81) show on level ground and under D65, (m, 3) each.
+
+    RGB in the file's working space, as `transfer.swatches.beside` makes them. Raises InputError as
+    `spectral.make_spectral` does.
+    """
+    light = spectral.analysed(world, settings)
+    return beside(settings.transfer(light), reflectances, light.faces[0])
+
+
+def daylight(reflectances: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return their colours under D65 alone, (m, 3), white (1, 1, 1)."""
+    return rgb_albedo(reflectances, working_space.name())
+
+
+def sky_key(world: bpy.types.World | None, settings: spectral.Settings | None) -> str:
+    """Return what tells whether a World's sky, or the working space, is another one than before."""
+    if world is None:
+        return ""
+    try:
+        name = worlds.sky_of(world).name
+    except InputError:
+        return ""
+    return f"{world.name_full} {name} {working_space.name()} {settings}"

@@ -1,0 +1,244 @@
+"""The sky of a World: what of it is followed live, and how its light is read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Euler
+
+from ....node_groups import spectral_matrix
+from ....node_groups import tree as groups
+from ...errors import InputError
+from ..blend_data import nodes, working_space
+
+CURE = "plug an equirectangular Environment Texture straight into the World's Background"
+
+
+@dataclass(frozen=True)
+class WorldSky:
+    """How a World's light is known.
+
+    ``image``: the HDRI whose pixels are its light; None where they say too little (``why``), and
+    the World is baked. What is followed live is not in these pixels: the value of the node
+    `background`'s Strength, and the rotation of the node `mapping`: a direction v is looked up
+    at R v, R being the XYZ Euler `rotation` [rad], or its inverse where `inverse`. Names are
+    None, and the rotation 0, where that is baked too. ``name``: the image's, or the World's.
+    """
+
+    name: str
+    image: bpy.types.Image | None = None
+    why: str = ""
+    background: str | None = None
+    texture: str | None = None
+    mapping: str | None = None
+    rotation: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    inverse: bool = False
+
+    @property
+    def line(self) -> str:
+        """What a person should know of a World that is baked; empty for an HDRI."""
+        if self.image is not None:
+            return ""
+        live = ["Strength"] * bool(self.background) + ["Rotation"] * bool(self.mapping)
+        verb = "are" if len(live) > 1 else "is"
+        follows = f"; {' and '.join(live)} {verb} followed live" if live else ""
+        return f"baked once, for {self.why}: press Update after a change{follows}"
+
+
+def sky_of(world: bpy.types.World | None) -> WorldSky:
+    """How the light of a World is known; nothing is computed yet.
+
+    Read directly are World Output ← Background ← Environment Texture ← [Mapping that only turns] ←
+    [Texture Coordinate], and our Spectral Matrix between texture and Background. All other Worlds
+    are baked. Raises InputError without a World.
+    """
+    if world is None:
+        raise InputError("the scene", "has no World", "give it one with a sky HDRI")
+    found = WorldSky(world.name)
+    output = output_of(world)
+    if output is None:
+        return replace(found, why="it has no nodes")
+    background = _feeds(output.inputs["Surface"])
+    if background is None or background.type != "BACKGROUND":
+        return replace(found, why=f"its output is fed by {_called(background)}")
+    if nodes.source(background.inputs["Strength"]) is not None:
+        return replace(found, why="its Background's Strength is linked")
+    found = replace(found, background=background.name)
+    texture = _feeds(background.inputs["Color"])
+    if texture is not None and groups.kind_of(texture) == spectral_matrix.KIND:
+        texture = _feeds(texture.inputs["Color"])
+    if texture is None or texture.type != "TEX_ENVIRONMENT":
+        return replace(found, why=f"its Background is fed by {_called(texture)}")
+    mapping, why = _mapping(texture)
+    if why:
+        return replace(found, why=why)
+    found = replace(found, texture=texture.name)
+    if mapping is not None:
+        found = replace(
+            found,
+            mapping=mapping.name,
+            rotation=tuple(mapping.inputs["Rotation"].default_value),
+            inverse=mapping.vector_type == "TEXTURE",
+        )
+    image = texture.image
+    if image is None:
+        return replace(found, why="its Environment Texture has no image")
+    if texture.projection != "EQUIRECTANGULAR":
+        return replace(found, why="its texture is a mirror ball")
+    if image.source not in {"FILE", "GENERATED"}:
+        return replace(found, why=f"its image is a {image.source.lower()}")
+    return replace(found, name=image.name, image=image)
+
+
+def output_of(world: bpy.types.World) -> bpy.types.Node | None:
+    """The World Output that Eevee shows, else that of Cycles; None without nodes."""
+    tree = world.node_tree
+    if tree is None or (bpy.app.version < (5, 0, 0) and not world.use_nodes):
+        return None
+    return tree.get_output_node("EEVEE") or tree.get_output_node("CYCLES")
+
+
+def _feeds(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
+    found = nodes.source(socket)
+    return None if found is None else found.node
+
+
+def _called(node: bpy.types.Node | None) -> str:
+    return "no texture" if node is None else f'"{node.name}"'
+
+
+def _mapping(texture: bpy.types.Node) -> tuple[bpy.types.Node | None, str]:
+    """The Mapping node before a texture, None without; and why it cannot be followed, if so."""
+    found = nodes.source(texture.inputs["Vector"])
+    mapping = None
+    if found is not None and found.node.type == "MAPPING":
+        mapping = found.node
+        found = nodes.source(mapping.inputs["Vector"])
+        if found is None:
+            return None, "its Mapping has no Vector"
+        for name, neutral in (("Location", 0.0), ("Scale", 1.0), ("Rotation", None)):
+            socket = mapping.inputs.get(name)
+            if socket is None or not socket.enabled:  # a Vector mapping has no location
+                continue
+            if nodes.source(socket) is not None:
+                return None, f"its Mapping's {name} is linked"
+            if neutral is not None and any(abs(v - neutral) > 1e-6 for v in socket.default_value):
+                return None, f"its Mapping has a {name}"
+    if found is not None and (found.node.type, found.name) != ("TEX_COORD", "Generated"):
+        return None, f'its texture is looked up by "{found.node.name}", {found.name}'
+    return mapping, ""
+
+
+def in_world(sky: WorldSky, direction: np.ndarray) -> np.ndarray:
+    """Where in the world a direction (3,) of the HDRI stands as the World is turned now."""
+    turn = Euler(sky.rotation, "XYZ").to_matrix()
+    turn = turn if sky.inverse else turn.transposed()
+    return np.array(turn) @ direction
+
+
+def value_path(world: bpy.types.World, node: str | None, socket: str) -> str | None:
+    """The data path, from a World, of the value of one of its nodes' inputs; None without it."""
+    if node is None:
+        return None
+    return "node_tree." + world.node_tree.nodes[node].inputs[socket].path_from_id("default_value")
+
+
+def set_sky(scene: bpy.types.Scene, path: str | Path, raw: bool = False) -> bpy.types.World:
+    """Light a scene by an HDRI file and return its World.
+
+    The scene's World is kept where its image is that file already. Otherwise the scene gets a new
+    one; the user's own is never edited. A ``raw`` file's numbers are a camera's: Blender must not
+    convert them, so a newly loaded image is tagged Non-Color. Raises InputError if the file
+    cannot be read as an image.
+    """
+    path = Path(path).resolve()
+    scene.world = scene.world if _shows(scene.world, path) else _new_world(path, raw)
+    return scene.world
+
+
+def develop(scene: bpy.types.Scene, matrix) -> bpy.types.World:
+    """Show a camera's raw sky in the working space: RGB times ``matrix`` (3, 3) in the background.
+
+    The scene gets a copy of its World with that matrix, unless its World has one already; the
+    user's own is never edited, and an identity changes nothing. Raises InputError where `sky_of`
+    does, for a World whose light is not that of one texture, and for an image that Blender converts
+    between colour spaces.
+    """
+    identity = np.allclose(matrix, np.eye(3), atol=1e-9)
+    if identity and _matrix_node(scene.world) is None:
+        return scene.world
+    sky = sky_of(scene.world)
+    image = scene.world.node_tree.nodes[sky.texture].image if sky.texture else None
+    if image is None:
+        raise InputError(
+            f'World "{scene.world.name}"', f"shows no camera's raw numbers: {sky.why}", CURE
+        )
+    tag = image.colorspace_settings
+    if not (identity or tag.is_data or tag.name == working_space.name()):
+        raise InputError(
+            f'image "{image.name}"',
+            f"a camera's raw numbers, but tagged {tag.name}",
+            "set its Color Space to Non-Color",
+        )
+    scene.world = _with_matrix(scene.world, matrix)
+    return scene.world
+
+
+def _shows(world: bpy.types.World | None, path: Path) -> bool:
+    image = None if world is None else sky_of(world).image
+    if image is None:
+        return False
+    file = bpy.path.abspath(image.filepath, library=image.library)
+    return image.source == "FILE" and bool(file) and Path(file).resolve() == path
+
+
+def _new_world(path: Path, raw: bool) -> bpy.types.World:
+    try:
+        image = bpy.data.images.load(str(path), check_existing=True)
+    except RuntimeError as error:
+        raise InputError(path, "cannot be read as an image", "give an .exr or .hdr sky") from error
+    if raw and image.users == 0:
+        image.colorspace_settings.name = "Non-Color"
+    world = bpy.data.worlds.new("Skylight")
+    nodes.use(world)
+    tree = world.node_tree
+    tree.nodes.clear()
+    coordinate = groups.add(tree, "ShaderNodeTexCoord")
+    mapping = groups.add(tree, "ShaderNodeMapping", coordinate.outputs["Generated"])
+    texture = groups.add(tree, "ShaderNodeTexEnvironment", mapping.outputs[0], image=image)
+    background = groups.add(tree, "ShaderNodeBackground", texture.outputs[0])
+    groups.add(tree, "ShaderNodeOutputWorld", background.outputs[0])
+    groups.arrange(tree)
+    return world
+
+
+def _matrix_node(world: bpy.types.World) -> bpy.types.Node | None:
+    """The Spectral Matrix node that feeds a World's Background, None without."""
+    background = sky_of(world).background
+    if background is None:
+        return None
+    found = nodes.source(world.node_tree.nodes[background].inputs["Color"])
+    if found is None or groups.kind_of(found.node) != spectral_matrix.KIND:
+        return None
+    return found.node
+
+
+def _with_matrix(world: bpy.types.World, matrix) -> bpy.types.World:
+    """The World, or a copy of it where it has none yet, with this matrix before its Background."""
+    node = _matrix_node(world)
+    if node is None:
+        sky = sky_of(world)
+        world = world.copy()
+        tree = world.node_tree
+        texture, background = tree.nodes[sky.texture], tree.nodes[sky.background]
+        node = groups.add(
+            tree, "ShaderNodeGroup", node_tree=spectral_matrix.ensure(), name="Spectral Matrix"
+        )
+        node.location = (background.location.x - 40, background.location.y - 160)
+        tree.links.new(texture.outputs[0], node.inputs["Color"])
+        tree.links.new(node.outputs[0], background.inputs["Color"])
+    spectral_matrix.set_matrix(node, matrix)
+    return world

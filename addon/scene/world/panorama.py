@@ -1,0 +1,75 @@
+"""The light of a World as a panorama: an HDRI's own pixels, or what a bake of the World holds."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import replace
+
+import bpy
+import numpy as np
+
+from ...errors import InputError
+from ...sky.light import SkyLight, analyse
+from ...sky.panorama import from_pixels
+from . import capture, sky_texture
+from . import hdri as worlds
+
+CUT_OFF = "its image has 8 bits a channel: light over white is cut off; use an .exr or .hdr"
+
+
+def light_of(world: bpy.types.World | None, sensors: np.ndarray) -> SkyLight:
+    """The light of a World, taken apart; what it follows live is not in it (`hdri.WorldSky`).
+
+    ``sensors`` (3, 81) as in `sky.light.analyse`. Raises InputError where `hdri.sky_of`,
+    `pixels_of`, `capture.bake` and `sky.panorama.from_pixels` do.
+    """
+    sky = worlds.sky_of(world)
+    assert world is not None
+    name = f'World "{world.name}"' if sky.image is None else f'image "{sky.image.name}"'
+    signs = [sky.line] if sky.line else []
+    if sky.image is not None and (sky.image.is_float or not sky.image.has_data):
+        pixels = pixels_of(sky.image)
+    else:
+        signs += [CUT_OFF] if sky.image is not None else []
+        pixels, frame = capture.bake(world, sky)
+        signs += [f"the World is animated: its light is that of frame {frame}"] if frame else []
+    found = _analysed(pixels, name, sensors)
+    return replace(
+        found,
+        signs=(*signs, *found.signs),
+        known_elevation=sky_texture.sun_elevation(worlds.output_of(world)),
+    )
+
+
+def _analysed(pixels: np.ndarray, name: str, sensors: np.ndarray) -> SkyLight:
+    content = hashlib.blake2b(name.encode() + sensors.tobytes())
+    content.update(pixels.data)
+    if content.digest() not in _last:
+        found = analyse(from_pixels(pixels, name), S_in=sensors)
+        _last.clear()
+        _last[content.digest()] = found
+    return _last[content.digest()]
+
+
+_last: dict[bytes, SkyLight] = {}  # of the last sky, by a hash of its numbers: it takes seconds
+
+
+def pixels_of(image: bpy.types.Image) -> np.ndarray:
+    """The pixels of an HDRI as float32 RGB (h, w, 3), top row first, in the file's working space.
+
+    Blender has then applied the image's colour space (none for Non-Color); packed, external
+    and linked images give the same. Raises InputError for a missing file and for 8 bits a channel.
+    """
+    place = f'image "{image.name}"'
+    width, height = image.size  # asking makes Blender load the file
+    if width == 0 or height == 0:
+        file = bpy.path.abspath(image.filepath, library=image.library)
+        raise InputError(place, f'cannot be read from "{file}"', "restore or pack the file")
+    if not image.is_float:
+        raise InputError(place, "has 8 bits a channel", "use an .exr or .hdr, which holds light")
+    pixels = np.empty(width * height * image.channels, dtype=np.float32)
+    image.pixels.foreach_get(pixels)
+    pixels = pixels.reshape(height, width, image.channels)[::-1]
+    if image.channels == 1:
+        pixels = np.repeat(pixels, 3, axis=2)
+    return np.ascontiguousarray(pixels[:, :, :3])

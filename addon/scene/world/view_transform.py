@@ -1,0 +1,128 @@
+"""How the picture is shown: what a view transform does to colours, and a neutral white.
+
+White is Blender's own setting of the view. It changes what is seen and what is saved through the
+view, such as PNG, never scene-linear values: an EXR stays exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...errors import InputError
+from . import settings as world_settings
+
+KEPT = "spectral_skylight_view"  # on a scene whose white is ours: its view before, and as we set it
+WHITE = ("use_white_balance", "white_balance_temperature", "white_balance_tint")
+
+TRANSFORMS = {
+    "Standard": (True, "shows colors as computed, and cuts off what is brighter than the screen"),
+    "Khronos PBR Neutral": (
+        True,
+        "keeps colors as computed up to 80 % of white, and compresses what is brighter",
+    ),
+    "AgX": (False, "like film: bends hues and greys saturated colors, for pictures, not to judge"),
+    "Filmic": (False, "like film, older: lowers contrast and saturation, for pictures"),
+    "Filmic Log": (False, "a flat picture to be graded elsewhere"),
+    "ACES 1.3": (False, "cinema's: strong contrast, bends bright hues, for pictures"),
+    "ACES 2.0": (False, "cinema's: contrast like film, hues kept better, for pictures"),
+    "False Color": (False, "shows brightness as a heat map, no colors"),
+    "Raw": (False, "shows linear numbers as they are: too dark, and no colors of the screen"),
+}
+"""Blender's view transforms: whether colours can be judged by it, and what it does."""
+
+
+def transform_line(scene: bpy.types.Scene) -> tuple[bool, str]:
+    """Whether colours can be judged by a scene's view transform, and a sentence on what it does."""
+    name = scene.view_settings.view_transform
+    fit, does = TRANSFORMS.get(name, (False, "a view of your own configuration"))
+    look = scene.view_settings.look
+    if look not in ("", "None"):
+        fit, does = False, f"{does}; its look {look} changes colors again"
+    if scene.view_settings.use_curve_mapping:
+        fit, does = False, f"{does}; its curves change colors again"
+    return fit, f"{name}: {does}"
+
+
+def hindrance(scene: bpy.types.Scene, level: Sequence[float] | None) -> str:
+    """Why a scene's white cannot be made neutral, empty where it can.
+
+    ``level``: RGB of a white, level face under its sky, None before that is known.
+    """
+    world = scene.world
+    if level is None or world is None:
+        return "Make a material spectral first: its sky's light tells the white"
+    if world_settings.stored(world).get("white") is not None:
+        return "The HDRI is white-balanced already: once more would be twice"
+    view = scene.view_settings
+    white_level = tuple(view.curve_mapping.white_level) if view.use_curve_mapping else (1.0,) * 3
+    if max(white_level) - min(white_level) > 1e-6:
+        return "The view's curves have a white level already: once more would be twice"
+    if KEPT not in scene and view.use_white_balance:
+        return "The view has a White Balance of its own: once more would be twice"
+    if min(level) <= 0.0:
+        return "This sky's light has no white"
+    return ""
+
+
+def neutral(scene: bpy.types.Scene, level: Sequence[float]) -> str:
+    """Let a white, level face of this RGB (3,) look neutral in a scene's view; return a line.
+
+    Raises InputError where `hindrance` says why not, and for a light that is bluer or greener than
+    Blender's white balance goes; the view is as before then.
+    """
+    place = f'scene "{scene.name}"'
+    if why := hindrance(scene, level):
+        raise InputError(place, why, "leave one of both")
+    view = scene.view_settings
+    before = _values(view)
+    kept = scene[KEPT].to_dict() if KEPT in scene else {"before": before}
+    view.use_white_balance = True
+    view.white_balance_whitepoint = tuple(np.array(level) / max(level))
+    found = np.array(view.white_balance_whitepoint)
+    off = np.abs(found / found.sum() - np.array(level) / np.sum(level)).max()
+    if off > 2e-3:  # Blender leaves it as it was
+        _set(view, before)
+        raise InputError(
+            place, "its light is beyond Blender's white balance", "leave it, or set it by hand"
+        )
+    scene[KEPT] = {**kept, "ours": _values(view)}
+    return (
+        f"white of the sky: {view.white_balance_temperature:.0f} K, "
+        f"tint {view.white_balance_tint:+.0f}; scene-linear EXR is not changed by it"
+    )
+
+
+def refresh(scene: bpy.types.Scene, level: Sequence[float]) -> list[str]:
+    """Let a neutral white follow another sky, where a scene has one of ours; return warnings."""
+    if KEPT not in scene:
+        return []
+    try:
+        neutral(scene, level)
+    except InputError as error:
+        give_back(scene)
+        return [f"the white is no longer neutral: {error}"]
+    return []
+
+
+def give_back(scene: bpy.types.Scene) -> None:
+    """Give a scene's view its white back; what a user has changed meanwhile stays."""
+    if KEPT not in scene:
+        return
+    kept = scene[KEPT].to_dict()
+    view = scene.view_settings
+    if _values(view) == kept["ours"]:
+        _set(view, kept["before"])
+    del scene[KEPT]
+
+
+def _values(view: Any) -> dict[str, Any]:
+    return {name: getattr(view, name) for name in WHITE}
+
+
+def _set(view: Any, values: dict[str, Any]) -> None:
+    for name, value in values.items():
+        setattr(view, name, value)

@@ -1,0 +1,93 @@
+"""The library that is shown: derived from its folders, kept while Blender runs, in no file.
+
+Panels read it at every redraw; only the refreshing operator computes.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import bpy
+
+from ..errors import InputError
+
+library: Any = None
+"""The `spectra.library.Library`, None before it was read."""
+
+daylight: Any = None
+"""Its colours under D65 (m, 3) in the working space."""
+
+under_sky: Any = None
+"""Its colours under the sky, None where there was none."""
+
+lit_by = ""
+"""The `scene.under_sky.sky_key` of that sky."""
+
+
+def put(found: Any) -> None:
+    """Show another library, its colours not known yet."""
+    global library, daylight, under_sky, lit_by
+    library, daylight, under_sky, lit_by = found, None, None, ""
+    _shown.cache_clear()
+
+
+def light(context: bpy.types.Context) -> None:
+    """Compute the colours, under D65 and under the scene's sky where it has one."""
+    global daylight, under_sky, lit_by
+    from ..scene import swatches_under_sky as scene_sky
+    from . import properties
+
+    daylight = scene_sky.daylight(library.values)
+    under_sky, lit_by = None, sky_key(context)
+    world = context.scene.world
+    try:
+        if world is not None:
+            settings = properties.settings_of(world)
+            under_sky, daylight = scene_sky.colours(world, settings, library.values)
+    except InputError:  # the panel says what is wrong with the sky; D65 is shown all the same
+        pass
+
+
+def sky_key(context: bpy.types.Context) -> str:
+    """What tells whether the scene has another sky than the one that swatches are lit by."""
+    from ..scene import swatches_under_sky as scene_sky
+    from . import properties
+
+    world = context.scene.world
+    return scene_sky.sky_key(world, properties.settings_of(world) if world is not None else None)
+
+
+def colour(of: Any, number: int) -> tuple[float, float, float]:
+    """Return one of the colours as a swatch can show it; black where it is not known."""
+    if of is None or number >= len(of):
+        return (0.0, 0.0, 0.0)
+    red, green, blue = (min(max(float(part), 0.0), 1.0) for part in of[number])
+    return red, green, blue
+
+
+def shown(search: str, by: str) -> tuple[list[bool], list[int]]:
+    """Return whether each reflectance is found, and its place in the order."""
+    return _shown(id(library), search, by)
+
+
+@lru_cache(maxsize=32)
+def _shown(which: int, search: str, by: str) -> tuple[list[bool], list[int]]:
+    count = len(library)
+    wanted = set(library.search(search).tolist())
+    places = [0] * count
+    for place, number in enumerate(library.order(by.lower()).tolist()):
+        places[number] = place
+    return [k in wanted for k in range(count)], places
+
+
+def place(number: int | None) -> tuple[str, str] | None:
+    """The file and the column of a reflectance, by which it is found again in another library."""
+    return None if number is None else (library.paths[number], library.names[number])
+
+
+def chosen(context: bpy.types.Context) -> int | None:
+    """The number of the reflectance that is chosen in the list, None without a list."""
+    own = context.window_manager.skylight_library
+    known = library is not None and len(own.spectra) == len(library)
+    return own.active if known and own.active < len(own.spectra) else None

@@ -1,0 +1,134 @@
+"""What the panels say about a sky and its materials; all of it lies in the blend file already."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from typing import Any
+
+import bpy
+
+from ..errors import InputError
+from . import staleness_handlers
+
+CHARACTER = 5.6
+"""Mean width of a character [pixels at scale 1]: Blender does not wrap text by itself."""
+
+
+def paragraph(
+    layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str = "NONE"
+) -> None:
+    """A sentence over as many lines as the panel's width asks for."""
+    width = context.region.width if context.region else 600
+    scale = context.preferences.system.ui_scale or 1.0  # 0 without a window
+    margins = 45 if icon == "NONE" else 70  # the tabs' names and the icon among them
+    characters = max(20, int((width / scale - margins) / CHARACTER))
+    column = layout.column(align=True)
+    for number, line in enumerate(textwrap.wrap(text, characters)):
+        column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
+
+
+def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """The World's HDRI, and what of it reaches materials."""
+    from ..scene.blend_data import working_space
+    from ..scene.world import hdri as worlds
+    from ..scene.world import light_group
+
+    world = context.scene.world
+    try:
+        seen = worlds.sky_of(world)
+    except InputError as error:
+        paragraph(layout, context, str(error), "ERROR")
+        return
+    layout.label(text=f"Sky: {seen.name}", icon="WORLD" if seen.image is None else "IMAGE_DATA")
+    found = light_group.description_of(world)
+    if found is None:
+        if seen.line:
+            paragraph(layout, context, seen.line, "INFO")
+        return
+    for note in found.get("notes", ()):
+        paragraph(layout, context, note, "INFO")
+    if found.get("image") != seen.name or found.get("space") != working_space.name():
+        paragraph(layout, context, "HDRI or working space have changed: press Update", "ERROR")
+
+
+def model(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What the sky was modelled with, and how far its light on surfaces is off."""
+    from ..scene.world import light_group
+
+    found = light_group.description_of(context.scene.world)
+    if found is None:
+        return
+    if "model" in found:
+        paragraph(layout, context, found["model"])
+    left = found["errors"][found["degree"]]
+    paragraph(
+        layout,
+        context,
+        f"irradiance of degree {found['degree']}: off by {100 * left['worst']:.1f} % at worst, "
+        f"{100 * left['mean']:.2f} % in the mean",
+    )
+
+
+def lights(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What shines on materials beside the sky, and what Eevee cannot keep apart."""
+    from ..scene.world import light_group
+
+    found = light_group.description_of(context.scene.world) or {}
+    for line in found.get("lights", ()):
+        paragraph(layout, context, line, "INFO")
+
+
+def material(
+    layout: bpy.types.UILayout, context: bpy.types.Context, shown: bpy.types.Material
+) -> None:
+    """What a material was given, its colour and how far off it would be; nothing if unmanaged."""
+    from ..scene.materials import (
+        assignment,
+        base_color,
+        glass_and_metal,
+        saved_settings,
+        spectral_material,
+    )
+
+    managed = spectral_material.managed(shown)
+    if managed is None:
+        pane = glass_and_metal.pane_node(shown)
+        if pane is not None:
+            name = glass_and_metal.pane_of(shown)[0]
+            layout.box().label(text=f"Glass: {name}", icon="CHECKMARK")
+        return
+    box = layout.box()
+    known = managed.reflectance_name != base_color.ESTIMATED
+    box.label(text=managed.reflectance_name, icon="CHECKMARK" if known else "QUESTION")
+    if why := staleness_handlers.stale(shown):
+        paragraph(box, context, why, "ERROR")
+    if saved_settings.BEFORE in shown:
+        paragraph(box, context, "shows RGB × RGB now", "ERROR")
+    choice = shown.skylight
+    applied = managed.reflectance_name.partition(assignment.BEHIND)[0]
+    if choice.column and choice.kind == assignment.REFLECTANCE and choice.column != applied:
+        paragraph(box, context, f"{choice.column} is chosen but not applied yet", "ERROR")
+    box.prop(choice, "swatch")
+    if choice.swatch_scale < 1.0:
+        text = f"brighter than white: shown at {100 * choice.swatch_scale:.2g} % of its brightness"
+        paragraph(box, context, text)
+    for sentence in sentences(managed.extra):
+        paragraph(box, context, sentence)
+    if managed.world != context.scene.world:
+        name = managed.world.name if managed.world else "none"
+        paragraph(box, context, f"lit by World {name}, not this scene's: press Update", "ERROR")
+
+
+def sentences(found: dict[str, Any]) -> list[str]:
+    """What is kept with a material about its errors, in words."""
+    if not math.isfinite(found["rgb_delta_E"]):
+        lines = [f"its error is unknown: {found.get('unknown') or 'the sky is dark'}"]
+    else:
+        rgb, spectral = found["rgb_delta_E"], found["matrix_delta_E"]
+        lines = [f"RGB is off by ΔE {rgb:.1f}, spectral by {spectral:.1f}"]
+        if "bound" in found:
+            lines.append(f"at most {found['bound']:.1f}; ΔE 1 is just noticeable")
+    if found["out_of_gamut"]:
+        lines.append("out of gamut: Blender clamps it")
+    return lines

@@ -1,0 +1,144 @@
+"""What has changed since materials were made spectral, noticed while a person works.
+
+What is known here follows from the file and is forgotten with the session: undo, saving and scripts
+need nothing of it, and without a window no handler runs (`scene.stale` tells the same when asked).
+A handler looks only at what Blender says has changed, so that panels have nothing to compute.
+"""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.handlers import persistent
+
+MANAGED = "spectral_skylight"  # `scene.nodes.MANAGED`, which is not imported for a redraw
+BEFORE = "spectral_skylight_before"  # `scene.owned.BEFORE`
+
+_stale: dict[int, str] = {}  # by a material's session_uid, why it is
+_files: dict[int, tuple[str, str]] = {}  # the same, by what was found on disk, and for which hash
+_moved = False
+
+
+def stale(material: bpy.types.Material) -> str:
+    """Why a material is no longer what was made spectral, empty as far as is known."""
+    uid = material.session_uid
+    return _stale.get(uid) or _files.get(uid, ("", ""))[1]
+
+
+def stale_materials() -> list[bpy.types.Material]:
+    """The materials that are known to be stale."""
+    return [m for m in bpy.data.materials if stale(m)] if _stale or _files else []
+
+
+def moved() -> bool:
+    """Whether objects have changed since the bakes were looked at."""
+    return _moved
+
+
+def found_files(lines: dict[bpy.types.Material, str]) -> None:
+    """Remember of which materials the files on disk are no longer those that were read."""
+    _files.clear()
+    for material, line in lines.items():
+        _files[material.session_uid] = material[MANAGED]["reflectance_hash"], line
+
+
+def found_bakes() -> None:
+    """Remember that bakes were looked at just now."""
+    global _moved
+    _moved = False
+
+
+def after(context: bpy.types.Context) -> None:
+    """Look at all materials once we have changed some; what we moved was not moved by a user."""
+    global _moved
+    if not bpy.app.background:
+        before = _moved
+        context.view_layer.update()
+        _moved = before
+    look()
+
+
+def look() -> None:
+    """Look at all materials of the file."""
+    _stale.clear()
+    if not any(MANAGED in material for material in bpy.data.materials):
+        return
+    from ..scene.materials import spectral_material
+
+    found = spectral_material.managed_materials()
+    hashes = {m.session_uid: m[MANAGED]["reflectance_hash"] for m in found}
+    for uid in [uid for uid, (known, _) in _files.items() if hashes.get(uid) != known]:
+        del _files[uid]
+    for material in found:
+        _look_at(material)
+
+
+def _look_at(material: bpy.types.Material) -> None:
+    from ..scene import out_of_date as freshness
+
+    if line := freshness.colour(material):
+        _stale[material.session_uid] = line
+    else:
+        _stale.pop(material.session_uid, None)
+
+
+@persistent
+def _changed(scene, depsgraph) -> None:
+    global _moved
+    for update in depsgraph.updates:
+        changed = update.id
+        if isinstance(changed, bpy.types.Material) and MANAGED in changed:
+            _look_at(changed.original)  # its viewport colour, where it has no nodes of its own
+        elif isinstance(changed, bpy.types.NodeTree) and changed.is_embedded_data:
+            # The old shader shows no more: of its values' changes only the tree is told.
+            for material in bpy.data.materials:
+                if MANAGED in material and material.node_tree == changed.original:
+                    _look_at(material)
+        elif isinstance(changed, bpy.types.Object) and changed.type not in ("LIGHT", "EMPTY"):
+            _moved = _moved or update.is_updated_transform or update.is_updated_geometry
+
+
+@persistent
+def _undone(*_) -> None:
+    look()
+
+
+@persistent
+def _loaded(*_) -> None:
+    _files.clear()
+    found_bakes()
+    look()
+
+
+@persistent
+def _written(*_) -> None:
+    found = [material.name for material in bpy.data.materials if BEFORE in material]
+    if found:
+        print(f"WARNING: Spectral Skylight: {len(found)} material(s) show RGB × RGB, not ours")
+
+
+HANDLERS = {
+    "depsgraph_update_post": _changed,
+    "load_post": _loaded,
+    "undo_post": _undone,
+    "redo_post": _undone,
+    "save_pre": _written,
+    "render_init": _written,
+}
+
+
+def attach(background: bool = False) -> None:
+    """Begin to watch, where there is a window, or also without one."""
+    if bpy.app.background and not background:
+        return
+    for name, handler in HANDLERS.items():
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def detach() -> None:
+    """Watch no longer, and forget."""
+    for name, handler in HANDLERS.items():
+        handlers = getattr(bpy.app.handlers, name)
+        if handler in handlers:
+            handlers.remove(handler)
+    _stale.clear()
+    _files.clear()
