@@ -101,7 +101,7 @@ def test_prepared_files_need_nothing_from_elsewhere(alone, office, tmp_path):
     moved.mkdir()
     folder = alone[0]
     task = tasks(office, "alone")[1]
-    for name in (task.blend, "render_task.py", "picture_file.py", "plan.jsonl"):
+    for name in (task.blend, "render_task.py", "image_file.py", "plan.jsonl"):
         (moved / name).parent.mkdir(exist_ok=True)
         (moved / name).write_bytes((folder / name).read_bytes())
     for path in (folder / "prepared").iterdir():
