@@ -6,6 +6,7 @@ Pictures are drawn of what spectra, sky and transfer hold, with numpy alone: for
 
 import ast
 import sys
+import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -183,3 +184,17 @@ def test_relative_imports_stay_inside_the_package():
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom):
                 assert node.level <= depth, f"{path}:{node.lineno}"
+
+
+def test_pip_installs_every_package_with_its_data():
+    """A folder that the list forgets is missing only where it is installed, not in a checkout."""
+    setup = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
+    listed, data = setup["setuptools"]["packages"], setup["setuptools"]["package-data"]
+    folders = {path.parent.relative_to(ROOT) for path in FILES} | {Path()}
+    names = {".".join(["spectral_skylight", *folder.parts]): folder for folder in folders}
+    assert sorted(listed) == sorted(names)
+    for name, folder in names.items():
+        files = [] if folder == Path() else [*(ROOT / folder).iterdir()]
+        held = [f for f in files if f.is_file() and f.suffix not in (".py", ".pyc", ".md")]
+        found = [f.name for f in held if not any(f.match(each) for each in data.get(name, ()))]
+        assert found == [], name
