@@ -7,11 +7,11 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-import OpenEXR
 
 from spectral_skylight.addon.scene.output import render as renderer
 from spectral_skylight.addon.scene.world import hdri as worlds
 from spectral_skylight.addon.sky.panorama import write_panorama
+from spectral_skylight.tests import exr
 
 PIXELS = 3  # a face is 3 x 3 pixels and its middle is read: no neighbour reaches there
 
@@ -93,8 +93,7 @@ def watch(scene: bpy.types.Scene, middle: tuple[float, float], width: float) -> 
 def picture(scene: bpy.types.Scene, folder: Path, engine: str = "eevee") -> np.ndarray:
     """Render the scene and return its colour channels (h, w, 3 or 4)."""
     path, _ = renderer.render(scene, folder / "picture.exr", engine=engine)
-    channels = OpenEXR.File(str(path)).channels()
-    return next(c.pixels for name, c in channels.items() if name in ("RGB", "RGBA"))
+    return exr.picture(path)
 
 
 def seen(scene: bpy.types.Scene, folder: Path, count: int, engine: str = "eevee") -> np.ndarray:

@@ -6,12 +6,12 @@ import subprocess
 import sys
 
 import numpy as np
-import OpenEXR
 import pytest
 
 from spectral_skylight.addon import cli
 from spectral_skylight.addon.sky.panorama import read_panorama, write_panorama
 from spectral_skylight.addon.transfer.matrices import transfer
+from spectral_skylight.tests import exr
 
 X = np.arange(380, 781, 20)
 
@@ -129,10 +129,10 @@ def test_sky_writes_rgb_and_spectrum(capsys, tmp_path):
         capsys, "sky", "--sun-elevation", 20, "--width", 32, "--out", rgb, "--spectral", spectral
     )
     assert code == 0
-    channels = OpenEXR.File(str(spectral)).channels()
+    channels = exr.planes(spectral)
     names = sorted(channels)
     assert len(names) == 81 and names[0] == "S0.380,000000nm" and names[-1] == "S0.780,000000nm"
-    radiance = np.stack([channels[name].pixels for name in names], axis=-1)
+    radiance = np.stack([channels[name] for name in names], axis=-1)
     seen = radiance @ transfer().S_out.T * 683.002 / 1e4
     np.testing.assert_allclose(read_panorama(rgb).rgb, np.maximum(seen, 0), rtol=1e-4, atol=1e-5)
 

@@ -11,6 +11,7 @@ from spectral_skylight.addon import cli
 from spectral_skylight.addon.scene.files import blend_file
 from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
+from spectral_skylight.tests import exr
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]
 
@@ -62,11 +63,8 @@ def applied(folder):
 
 
 def read(path):
-    import OpenEXR
-
-    channels = OpenEXR.File(str(path)).channels()
-    assert all(c.pixels.dtype == np.float32 for c in channels.values())
-    return next(c.pixels for n, c in channels.items() if n.endswith(("RGB", "RGBA")))[..., :3]
+    assert all(plane.dtype == np.float32 for plane in exr.planes(path).values())
+    return exr.picture(path)[..., :3]
 
 
 @pytest.fixture(scope="module")

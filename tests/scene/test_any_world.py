@@ -7,7 +7,6 @@ import math
 
 import bpy
 import numpy as np
-import OpenEXR
 import pytest
 
 from spectral_skylight.addon.errors import InputError
@@ -21,7 +20,7 @@ from spectral_skylight.addon.sky.light import FACES
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 from spectral_skylight.addon.sky.polynomial import evaluate_polynomial
 from spectral_skylight.addon.spectra.sensitivities import observer
-from spectral_skylight.tests import faces
+from spectral_skylight.tests import exr, faces
 
 pytestmark = pytest.mark.blender
 
@@ -92,8 +91,7 @@ def rendered(scene, folder):
     """The picture that the person rendered last."""
     scene.render.image_settings.file_format = "OPEN_EXR"
     bpy.data.images["Render Result"].save_render(str(folder / "shown.exr"), scene=scene)
-    channels = OpenEXR.File(str(folder / "shown.exr")).channels()
-    return next(iter(channels.values())).pixels
+    return exr.picture(folder / "shown.exr")
 
 
 @pytest.mark.slow

@@ -2,7 +2,6 @@
 
 import bpy
 import numpy as np
-import OpenEXR
 import pytest
 
 from spectral_skylight.addon.scene import spectral
@@ -11,7 +10,7 @@ from spectral_skylight.addon.scene.output import render as renders
 from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.node_groups import sky_visibility
 from spectral_skylight.node_groups import tree as groups
-from spectral_skylight.tests import faces
+from spectral_skylight.tests import exr, faces
 from spectral_skylight.tests.buildings import (
     as_bytes,
     box,
@@ -304,9 +303,8 @@ def test_a_single_wall_has_light_on_its_back(tmp_path):
     seen = []
     for x in (0.0, 60.0):
         camera.location = x, -30, 1
-        exr, _ = renders.render(scene, tmp_path / f"{x}.exr", engine="eevee")
-        with OpenEXR.File(str(exr)) as file:
-            seen.append(next(iter(file.channels().values())).pixels[..., :3].mean(axis=(0, 1)))
+        path, _ = renders.render(scene, tmp_path / f"{x}.exr", engine="eevee")
+        seen.append(exr.picture(path)[..., :3].mean(axis=(0, 1)))
     # Upright, half of the sky is seen; of that the canopy hides what is numbered here.
     up, along = np.meshgrid(*((np.arange(n) + 0.5) / n for n in (400, 800)), indexing="ij")
     z, azimuth = up.ravel(), np.pi * along.ravel()  # of the half in front of the back

@@ -8,12 +8,13 @@ import OpenEXR
 import pytest
 
 from spectral_skylight.addon.scene.output import image_file
+from spectral_skylight.tests import exr
 
 NOTE = "0123abcd"
 NOTED = b"Note\x000123abcd"
 
 
-def exr(path, rgb, **header):
+def written(path, rgb, **header):
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage, **header}
     OpenEXR.File(header, {"RGB": rgb.astype(np.float32)}).write(str(path))
     return path.read_bytes()
@@ -36,7 +37,7 @@ def picture(request, tmp_path):
     width, height = request.param
     rgb = np.random.default_rng(0).normal(size=(height, width, 3))
     rgb[height // 2 :] = 0.25
-    return width, height, exr(tmp_path / "a.exr", rgb, Note=NOTE)
+    return width, height, written(tmp_path / "a.exr", rgb, Note=NOTE)
 
 
 def test_whole_pictures_pass(picture):
@@ -81,9 +82,9 @@ def test_others_are_named(picture, tmp_path):
         image_file.check(content, width, height, "ffff")
     grey[-1, -1, 1] = np.nan
     with pytest.raises(ValueError, match="not finite"):
-        image_file.check(exr(tmp_path / "nan.exr", grey), width, height)
+        image_file.check(written(tmp_path / "nan.exr", grey), width, height)
     with pytest.raises(ValueError, match="ZIP"):
-        bare = exr(tmp_path / "bare.exr", grey, compression=OpenEXR.NO_COMPRESSION)
+        bare = written(tmp_path / "bare.exr", grey, compression=OpenEXR.NO_COMPRESSION)
         image_file.check(bare, width, height)
     with pytest.raises(ValueError, match="no OpenEXR"):
         image_file.check(b"", width, height)
@@ -92,15 +93,15 @@ def test_others_are_named(picture, tmp_path):
 def test_what_cycles_notes_of_its_speed_is_taken_out(picture, tmp_path):
     """The same pixels and other entries remain, as another reader has them."""
     width, height, content = picture
-    rgb = OpenEXR.File(str(tmp_path / "a.exr")).channels()["RGB"].pixels
+    rgb = exr.picture(tmp_path / "a.exr")
     noted = {f"cycles.View.{name}": "00:01.25" for name in ("render_time", "total_time")}
-    timed = exr(tmp_path / "timed.exr", rgb, Note=NOTE, **noted)
+    timed = written(tmp_path / "timed.exr", rgb, Note=NOTE, **noted)
     assert b"cycles." in timed
     (tmp_path / "clean.exr").write_bytes(image_file.without_times(timed))
-    clean = OpenEXR.File(str(tmp_path / "clean.exr"))
-    assert not [name for name in clean.header() if name.startswith("cycles.")]
-    assert clean.header()["Note"] == NOTE
-    np.testing.assert_array_equal(clean.channels()["RGB"].pixels, rgb)
+    header = OpenEXR.File(str(tmp_path / "clean.exr"), header_only=True).header()
+    assert not [name for name in header if name.startswith("cycles.")]
+    assert header["Note"] == NOTE
+    np.testing.assert_array_equal(exr.picture(tmp_path / "clean.exr"), rgb)
     assert image_file.without_times(content) == content
     timed = png(width, height, (b"cycles.View.render_time\x001", NOTED))
     assert image_file.without_times(timed) == png(width, height)

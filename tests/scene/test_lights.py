@@ -4,7 +4,6 @@ import math
 
 import bpy
 import numpy as np
-import OpenEXR
 import pytest
 
 from spectral_skylight.addon.errors import InputError
@@ -15,6 +14,7 @@ from spectral_skylight.addon.scene.output import render as renders
 from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 from spectral_skylight.addon.spectra.sensitivities import observer
+from spectral_skylight.tests import exr
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 
@@ -58,8 +58,8 @@ def shoot(stage, engine, rho=RHO, **settings):
     light, _ = spectral.make_spectral(
         scene.world, {bpy.data.materials["Floor"]: ("test", rho)}, spectral.Settings(**settings)
     )
-    exr, _ = renders.render(scene, folder / f"{engine}.exr", engine=engine)
-    pixels = next(iter(OpenEXR.File(str(exr)).channels().values())).pixels
+    path, _ = renders.render(scene, folder / f"{engine}.exr", engine=engine)
+    pixels = exr.picture(path)
     return light, pixels[8, :, :3].astype(float)
 
 
@@ -168,8 +168,8 @@ def test_a_texture_carries_the_spectrum(stage):
     # Nobody measured it: the texture is all there is.
     given = {material: (base_color.ESTIMATED, base_color.estimated(material))}
     spectral.make_spectral(scene.world, given, spectral.Settings(ground="hdri"))
-    exr, _ = renders.render(scene, folder / "estimated.exr", engine="eevee")
-    seen = next(iter(OpenEXR.File(str(exr)).channels().values())).pixels[8, :, :3]
+    path, _ = renders.render(scene, folder / "estimated.exr", engine="eevee")
+    seen = exr.picture(path)[8, :, :3]
     for x in (40, 60):
         rho = ramp[x, :3] @ base_color.basis()
         np.testing.assert_allclose(

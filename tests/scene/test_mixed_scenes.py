@@ -9,7 +9,6 @@ import math
 
 import bpy
 import numpy as np
-import OpenEXR
 import pytest
 from bpy_extras.object_utils import world_to_camera_view
 from mathutils import Vector
@@ -22,7 +21,7 @@ from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.node_groups import skylight_surface
 from spectral_skylight.node_groups import tree as groups
-from spectral_skylight.tests import faces
+from spectral_skylight.tests import exr, faces
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 
@@ -198,8 +197,7 @@ def test_passes(scene, engine):
     image.file_format, image.color_depth = "OPEN_EXR_MULTILAYER", "32"
     scene.render.filepath = str(folder / f"{engine}.exr")
     bpy.ops.render.render(write_still=True)
-    parts = OpenEXR.File(scene.render.filepath, separate_channels=True).parts
-    found = {name: channel.pixels for part in parts for name, channel in part.channels.items()}
+    found = exr.planes(scene.render.filepath)
 
     def seen(*names):
         """The wall in the pass that this Blender calls one of these names."""

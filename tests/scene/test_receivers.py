@@ -2,12 +2,12 @@
 
 import bpy
 import numpy as np
-import OpenEXR
 import pytest
 
 from spectral_skylight.addon.scene import spectral
 from spectral_skylight.addon.scene.lights import light_linking
 from spectral_skylight.addon.scene.output import render as renders
+from spectral_skylight.tests import exr
 from spectral_skylight.tests.scene.test_sun import sky_with_sun
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
@@ -48,8 +48,8 @@ def test_instances_are_lit_as_the_object_is(tmp_path):
     assert names == {"Itself", "Instance", "Places", "Child"}
     assert light_linking.mixed(scene) == []
     for engine in ("eevee", "cycles"):
-        exr, _ = renders.render(scene, tmp_path / f"{engine}.exr", engine=engine)
-        pixels = next(iter(OpenEXR.File(str(exr)).channels().values())).pixels[6, :, :3]
+        path, _ = renders.render(scene, tmp_path / f"{engine}.exr", engine=engine)
+        pixels = exr.picture(path)[6, :, :3]
         # Sun and sky together; the sky alone is a third of it. Cycles has its noise.
         np.testing.assert_allclose(pixels[[20, 32]], pixels[[8, 8]], rtol=0.02)
         assert pixels[8, 0] > 0.5

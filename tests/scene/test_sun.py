@@ -4,7 +4,6 @@ import math
 
 import bpy
 import numpy as np
-import OpenEXR
 import pytest
 from mathutils import Vector
 
@@ -14,6 +13,7 @@ from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.scene.output import render as renders
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 from spectral_skylight.addon.spectra.reflectance import reflectance_hash
+from spectral_skylight.tests import exr
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]
 
@@ -89,8 +89,8 @@ def make(scene, rho, **settings):
 
 def seen(scene, folder, engine):
     """The mean colours, away from penumbra: left lit, left shaded, right lit, right shaded."""
-    exr, _ = renders.render(scene, folder / f"{engine}.exr", engine=engine)
-    pixels = next(iter(OpenEXR.File(str(exr)).channels().values())).pixels[..., :3]
+    path, _ = renders.render(scene, folder / f"{engine}.exr", engine=engine)
+    pixels = exr.picture(path)[..., :3]
     boxes = [(x, y) for x in (slice(8, 24), slice(40, 56)) for y in (slice(22, 29), slice(4, 11))]
     return [pixels[y, x].reshape(-1, 3).mean(axis=0) for x, y in boxes]
 
