@@ -14,41 +14,35 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
+BASE = {"errors", "atomic_file", "whole_files"}
+"""Files under all rooms, of Python's own modules alone."""
+
 MAY_IMPORT = {
-    "errors": set(),
-    "spectra": {"errors"},
-    "sky": {"errors", "spectra"},
-    "transfer": {"errors", "spectra", "sky"},
-    "evaluation": {"errors", "spectra", "sky", "transfer"},
-    "pictures": {"errors", "spectra", "sky", "transfer"},
+    **{name: BASE for name in BASE},
+    "spectra": BASE,
+    "sky": BASE | {"spectra"},
+    "transfer": BASE | {"spectra", "sky"},
+    "evaluation": BASE | {"spectra", "sky", "transfer"},
+    "pictures": BASE | {"spectra", "sky", "transfer"},
     "node_groups": set(),
-    "scene": {"errors", "spectra", "sky", "transfer", "pictures", "node_groups"},
-    "ui": {"errors", "scene", "spectra", "pictures", "batch"},
+    "scene": BASE | {"spectra", "sky", "transfer", "pictures", "node_groups"},
+    "ui": BASE | {"scene", "spectra", "pictures", "batch"},
     "registration": {"ui", "cli"},
-    "cli": {"errors", "commands"},
-    "commands": {
-        "errors",
-        "spectra",
-        "sky",
-        "transfer",
-        "evaluation",
-        "pictures",
-        "scene",
-        "batch",
-    },
-    "batch": {"errors", "spectra", "sky", "transfer", "scene"},
+    "cli": BASE | {"commands"},
+    "commands": BASE | {"spectra", "sky", "transfer", "evaluation", "pictures", "scene", "batch"},
+    "batch": BASE | {"spectra", "sky", "transfer", "scene"},
 }
 """Room and the other rooms that it may import from."""
 
 MODULES_OF = {
-    "errors": set(),
+    **{name: set() for name in BASE},
     "spectra": {"numpy", "colour", "scipy"},
     "sky": {"numpy", "OpenEXR", "pvlib", "scipy", "tqdm"},
     "transfer": {"numpy", "colour"},
     "evaluation": {"numpy", "colour", "matplotlib", "PIL", "scipy", "tqdm"},
     "pictures": {"numpy", "scipy"},
     "node_groups": {"bpy"},
-    "scene": {"bpy", "bpy_extras", "embreex", "mathutils", "numpy", "image_file"},
+    "scene": {"bpy", "bpy_extras", "embreex", "mathutils", "numpy", "atomic_file", "image_file"},
     "ui": {"bpy", "bpy_extras"},
     "registration": {"bpy"},
     "cli": set(),
@@ -57,7 +51,7 @@ MODULES_OF = {
 }
 """Room and the modules from outside, Python's own apart, that it may import.
 
-A batch's script finds the copy of our own `image_file` beside its own.
+A batch's script finds copies of our own `atomic_file` and `image_file` beside its own.
 """
 
 WHEELS = {"colour", "scipy", "OpenEXR", "embreex"}
@@ -162,7 +156,7 @@ def test_panel_and_commands_import_other_rooms_when_first_needed():
         if found.relative
         and not found.late
         and of_room(found) in ("ui", "registration", "commands")
-        if room(found.module.split(".")) not in ("ui", "errors", "commands")
+        if room(found.module.split(".")) not in BASE | {"ui", "commands"}
     ]
     assert wrong == []
 

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
-from ..scene.output.image_file import part_of
+from ..whole_files import writing
 from .file_names import file_names
 from .scenes import SceneFile
 from .study import Sky, Study, Variant, content_hash
@@ -99,19 +99,13 @@ def write_plan(study: Study, scenes: tuple[SceneFile, ...], program: str) -> Pat
         "program": program,
     }
     path = study.plan
-    part = part_of(path)
-    try:
+    with writing(path) as part:
         path.parent.mkdir(parents=True, exist_ok=True)
+        copy_scripts(path.parent)
         with part.open("w", encoding="utf-8", newline="\n") as file:
             file.write(json.dumps(header, ensure_ascii=False) + "\n")
             for task in tasks(study, scenes, program):
                 file.write(task.line() + "\n")
-        part.replace(path)
-        copy_scripts(path.parent)
-    except OSError as error:
-        raise InputError(path, f"cannot be written ({error.strerror})", "check the disk") from None
-    finally:
-        part.unlink(missing_ok=True)
     return path
 
 

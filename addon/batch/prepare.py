@@ -17,12 +17,12 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from ..scene.output.image_file import part_of
+from ..atomic_file import replacing
+from ..whole_files import write_json
 from .file_names import file_names
 from .plan import Prepared, prepared_files
 from .scenes import SceneFile
 from .study import Sky, Study, file_hash
-from .whole_files import write_json
 
 FOLDER = "prepared"
 
@@ -181,9 +181,8 @@ def _carry(image: Any, folder: Path) -> str:
     if path.parent == folder:
         copy = path
     elif not copy.is_file():
-        part = part_of(copy)
-        shutil.copyfile(path, part)
-        part.replace(copy)
+        with replacing(copy) as part:
+            shutil.copyfile(path, part)
     with contextlib.suppress(ValueError):  # another drive of Windows
         image.filepath_raw = bpy.path.relpath(str(copy))
     return ""

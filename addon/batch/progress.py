@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..whole_files import write_json
 from .duration import duration
 from .run import Outcome
-from .whole_files import write_json
 
 STATUS = "status.json"
 PAUSE = 0.5

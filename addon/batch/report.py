@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from ..whole_files import write_json, write_text
 from . import report_page
 from .plan import read_header, read_tasks
 from .prepare import record
 from .run import RESULTS
-from .whole_files import write_json, write_whole
 
 
 def write_report(plan: Path) -> dict[str, Any]:
@@ -56,7 +56,7 @@ def write_report(plan: Path) -> dict[str, Any]:
     found["counts"] = dict(Counter(picture["status"] for picture in found["pictures"]))
     found["seconds"] = sum(p["seconds"] or 0.0 for p in found["pictures"])
     write_json(out / "report.json", found)
-    write_whole(out / "report.html", report_page.page(found))
+    write_text(out / "report.html", report_page.page(found))
     return found
 
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..atomic_file import host
 from .dispatch import CHUNK, Number, Pool, chunks, dispatch
 from .plan import read_header, read_tasks
 from .task import Task
@@ -108,8 +109,6 @@ def clear_leftovers(out: Path) -> None:
 
     Only under its lock; other machines' are theirs.
     """
-    from ..scene.output.image_file import host
-
     for pattern in ("pictures/*/.*", "prepared/.*", ".*"):
         for path in out.glob(pattern):
             if path.match(f".*.{host()}.*.part*"):

@@ -8,14 +8,20 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from ..atomic_file import replacing
+
 SCRIPT = Path(__file__).parents[1] / "scene" / "output" / "render_task.py"
 """What a plain Blender does tasks with."""
 
+SCRIPTS = (Path(__file__).parents[1] / "atomic_file.py", SCRIPT.with_name("image_file.py"), SCRIPT)
+"""The same with what it imports."""
+
 
 def copy_scripts(folder: Path) -> None:
-    """Put `SCRIPT`, and what it imports, beside a plan."""
-    for name in ("image_file.py", SCRIPT.name):
-        shutil.copyfile(SCRIPT.with_name(name), folder / name)
+    """Put `SCRIPTS` beside a plan; workers that start meanwhile find whole ones."""
+    for script in SCRIPTS:
+        with replacing(folder / script.name) as part:
+            shutil.copyfile(script, part)
 
 
 @dataclass(frozen=True)

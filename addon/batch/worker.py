@@ -57,8 +57,7 @@ class Worker:
         self, root: str | Path, blender: str | Path | None = None, threads: int = 0
     ) -> None:
         self.root = Path(root).resolve()
-        beside = self.root / SCRIPT.name
-        script = beside if beside.is_file() else SCRIPT
+        script = self.root / SCRIPT.name  # of the program that made the plan
         self.command = [*blender_command(blender), str(script), "--", "--serve"]
         self.command += ["--root", str(self.root), "--threads", str(threads)]
         self._process: subprocess.Popen[str] | None = None

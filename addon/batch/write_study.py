@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from ..whole_files import write_text
 from .study import KEYS
-from .whole_files import write_whole
 
 
 def write_study(path: Path, values: Mapping[str, Any]) -> None:
@@ -22,7 +22,7 @@ def write_study(path: Path, values: Mapping[str, Any]) -> None:
     for key, meaning in KEYS.items():
         if values.get(key) is not None:
             lines += [f"# {meaning}", f"{key} = {_toml(values[key], path.parent)}", ""]
-    write_whole(path, "\n".join(lines))
+    write_text(path, "\n".join(lines))
 
 
 def _toml(value: Any, folder: Path) -> str:

@@ -125,6 +125,7 @@ def _print_predicted(options: argparse.Namespace, rho: Any) -> None:
 
     from ..evaluation.calibration import calibrate, joined
     from ..spectra.light import read_light
+    from ..whole_files import write_json
 
     if not options.daylight:
         raise InputError("--predicted", "there is no measured light", "give --daylight FILE.csv")
@@ -151,9 +152,7 @@ def _print_predicted(options: argparse.Namespace, rho: Any) -> None:
     }
     if out is not None:
         out.mkdir(parents=True, exist_ok=True)
-        (out / "predicted.json").write_text(
-            json.dumps(result, indent=1, allow_nan=False), encoding="utf-8"
-        )
+        write_json(out / "predicted.json", result)
     if options.json:
         print(json.dumps(result, indent=1, allow_nan=False))
         return

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..spectra.grid import WAVELENGTHS
+from ..whole_files import writing
 from .day import FACE_NAMES, Day
 from .evaluation import Errors
 
@@ -147,7 +148,9 @@ def write(figure: Any, stem: Path) -> list[Path]:
 
     paths = [stem.with_suffix(suffix) for suffix in (".png", ".svg")]
     with matplotlib.rc_context({"svg.hashsalt": stem.name, "svg.fonttype": "none"}):
-        figure.savefig(paths[0], dpi=160, metadata={"Software": None})
-        _few_colours(paths[0])
-        figure.savefig(paths[1], metadata={"Date": None})
+        with writing(paths[0]) as part:
+            figure.savefig(part, dpi=160, metadata={"Software": None})
+            _few_colours(part)
+        with writing(paths[1]) as part:
+            figure.savefig(part, metadata={"Date": None})
     return paths

@@ -16,6 +16,7 @@ from ..spectra.bases import basis, restoration
 from ..spectra.grid import WAVELENGTHS
 from ..spectra.light import Light
 from ..spectra.sensitivities import observer
+from ..whole_files import writing
 from . import charts
 from .day import FACE_NAMES, Day, simulate_day
 from .evaluation import TODAY, Errors, evaluate
@@ -197,7 +198,7 @@ def _write_figure2(path: Path, days: dict[str, tuple[Day, list[Errors]]]) -> Pat
 
 def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:
     """Write a table, floats to six digits, and return its path."""
-    with path.open("w", newline="", encoding="utf-8") as handle:
+    with writing(path) as part, part.open("w", newline="", encoding="utf-8") as handle:
         writer = csv.writer(handle)
         writer.writerow(header)
         for row in rows:

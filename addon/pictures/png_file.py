@@ -5,7 +5,6 @@ Blender's Python brings no writer that works without a file open, and its users 
 
 from __future__ import annotations
 
-import os
 import struct
 import zlib
 from pathlib import Path
@@ -13,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..whole_files import writing
 
 
 def write_png(path: str | Path, rgb: NDArray[np.uint8]) -> None:
@@ -31,13 +30,5 @@ def write_png(path: str | Path, rgb: NDArray[np.uint8]) -> None:
         struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
         for name, data in chunks
     )
-    part = Path(path).with_name(f".{Path(path).name}.{os.getpid()}")
-    try:
+    with writing(path) as part:
         part.write_bytes(content)
-        part.replace(path)
-    except OSError as error:
-        raise InputError(
-            path, f"cannot be written ({error.strerror})", "choose another place"
-        ) from error
-    finally:
-        part.unlink(missing_ok=True)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..whole_files import writing
 
 _BAND = 256  # scanlines at once: the largest block of any compression, so none is unpacked twice
 
@@ -165,8 +166,6 @@ def write_exr(
     InputError
         When the place cannot be written to; what stood there stays.
     """
-    import os
-
     import OpenEXR
 
     header = {
@@ -175,12 +174,5 @@ def write_exr(
         **attributes,
     }
     planes = {name: np.ascontiguousarray(plane, np.float32) for name, plane in channels.items()}
-    # In the same folder: only there is the last step, the renaming, one indivisible act.
-    temporary = path.with_name(f".{path.stem}-{os.getpid()}.exr")
-    try:
-        OpenEXR.File(header, planes).write(str(temporary))
-        temporary.replace(path)
-    except (OSError, RuntimeError) as error:
-        raise InputError(path, f"cannot be written ({error})", "choose another place") from None
-    finally:
-        temporary.unlink(missing_ok=True)
+    with writing(path) as part:
+        OpenEXR.File(header, planes).write(str(part))

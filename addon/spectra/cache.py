@@ -10,13 +10,14 @@ import hashlib
 import json
 import os
 import sys
-import tempfile
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
+
+from ..atomic_file import replacing
 
 
 def folder() -> Path | None:
@@ -64,14 +65,8 @@ def save(path: Path | None, arrays: dict[str, NDArray]) -> None:
         return
     with contextlib.suppress(OSError):  # a full or read-only disk costs time, not the result
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                np.savez(file, **arrays)
-            Path(name).replace(path)
-        except BaseException:
-            Path(name).unlink(missing_ok=True)
-            raise
+        with replacing(path) as part, part.open("wb") as file:
+            np.savez(file, **arrays)
 
 
 def _plain(value: Any) -> Any:

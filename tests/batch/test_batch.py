@@ -14,8 +14,9 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon import cli
+from spectral_skylight.addon import atomic_file, cli
 from spectral_skylight.addon.batch import plan
+from spectral_skylight.addon.batch.task import SCRIPTS
 from spectral_skylight.addon.scene.output import image_file, render_task
 from spectral_skylight.addon.scene.world import hdri as worlds
 from spectral_skylight.addon.scene.world import panorama
@@ -101,7 +102,7 @@ def test_prepared_files_need_nothing_from_elsewhere(alone, office, tmp_path):
     moved.mkdir()
     folder = alone[0]
     task = tasks(office, "alone")[1]
-    for name in (task.blend, "render_task.py", "image_file.py", "plan.jsonl"):
+    for name in (task.blend, *(script.name for script in SCRIPTS), "plan.jsonl"):
         (moved / name).parent.mkdir(exist_ok=True)
         (moved / name).write_bytes((folder / name).read_bytes())
     for path in (folder / "prepared").iterdir():
@@ -152,7 +153,7 @@ def test_a_second_run_mends_what_is_not_whole(alone, office, capsys):
     second.write_bytes(third.read_bytes())
     third.with_suffix(".png").write_bytes(b"")
     fourth.unlink()
-    leftover = image_file.part_of(fourth)
+    leftover = atomic_file.part_of(fourth)
     leftover.touch()
     assert cli.main(["batch", "run", str(office / "alone" / "plan.jsonl"), "--workers", "2"]) == 0
     assert "4 rendered, 4 were there, 0 failed" in capsys.readouterr().out

@@ -9,13 +9,13 @@ import time
 
 import pytest
 
+from spectral_skylight.addon import atomic_file
 from spectral_skylight.addon.batch import plan, run
 from spectral_skylight.addon.batch.lock import locked
 from spectral_skylight.addon.batch.progress import STATUS, Progress
 from spectral_skylight.addon.batch.scenes import SceneFile
 from spectral_skylight.addon.batch.study import read_study
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene.output import image_file
 from spectral_skylight.tests.batch.studies import write_inputs, write_study
 
 
@@ -151,10 +151,10 @@ def test_a_killed_run_holds_no_folder(tmp_path):
 def test_only_our_leftovers_are_cleared(path):
     folder = path.parent / "pictures" / "a"
     folder.mkdir(parents=True)
-    ours = image_file.part_of(folder / "a.exr")
-    others = folder / ours.name.replace(image_file.host(), "elsewhere")
+    ours = atomic_file.part_of(folder / "a.exr")
+    others = folder / ours.name.replace(atomic_file.host(), "elsewhere")
     kept = [others, folder / "a.exr", folder / "a.part.exr", path]
-    for each in (ours, *kept[:3], part := image_file.part_of(path)):
+    for each in (ours, *kept[:3], part := atomic_file.part_of(path)):
         each.touch()
     run.clear_leftovers(path.parent)
     assert not ours.exists() and not part.exists() and all(each.exists() for each in kept)

@@ -14,7 +14,6 @@ import pytest
 from spectral_skylight.addon.batch import local_pool, plan, run
 from spectral_skylight.addon.batch.scenes import SceneFile
 from spectral_skylight.addon.batch.study import read_study
-from spectral_skylight.addon.batch.task import SCRIPT
 from spectral_skylight.tests.batch.studies import NOON, write_inputs, write_scene, write_study
 
 pytestmark = pytest.mark.slow
@@ -126,10 +125,10 @@ def test_what_a_picture_costs_beyond_its_render(benchmark, office, tmp_path):
     benchmark.pedantic(lambda: None)
 
 
-OURS = f"""
+OURS = """
 import json, os, sys, time
-sys.path.insert(0, {str(SCRIPT.parent)!r})
 from pathlib import Path
+sys.path.insert(0, str(Path(sys.argv[1]).parent))
 import bpy
 import render_task
 path, count = Path(sys.argv[1]), int(sys.argv[2])

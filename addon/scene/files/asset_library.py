@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...spectra.working_spaces import rec709_to_working, srgb
+from ...whole_files import write_text, writing
 from ..bake.scene_bake import Progress
 from ..blend_data import nodes, working_space
-from . import blend_file
 
 SIZE = 32
 """Side of a preview [pixels]: two areas of one colour, for hundreds of materials."""
@@ -64,7 +64,7 @@ def write(
             for word in {word for word in kinds[number].split(", ") if word}:
                 material.asset_data.tags.new(word)
         path = folder / "reflectances.blend"
-        with blend_file.whole(path) as part:
+        with writing(path) as part:
             bpy.data.libraries.write(str(part), set(made), fake_user=True)
         _catalogues(folder / CATALOGUES, paths)
         return path
@@ -97,5 +97,4 @@ def _catalogues(path: Path, paths: Sequence[str]) -> None:
         number = str(uuid.uuid5(_IDS, source))
         if number not in known:
             text = f"{text.rstrip()}\n{number}:Reflectances/{source}:{source.replace('/', '-')}\n"
-    with blend_file.whole(path) as part:
-        part.write_text(text, encoding="utf-8")
+    write_text(path, text)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
-from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
 import bpy
 
 from ...errors import InputError
+from ...whole_files import writing
 
 
 def open_scene(path: str | Path) -> bpy.types.Scene:
@@ -55,22 +53,5 @@ def save(path: str | Path) -> None:
     Relative paths in it are adapted to the new folder. Raises InputError for a folder that does
     not exist or cannot be written to.
     """
-    with whole(Path(path).resolve()) as part:
+    with writing(Path(path).resolve()) as part:
         bpy.ops.wm.save_as_mainfile(filepath=str(part), copy=True, check_existing=False)
-
-
-@contextlib.contextmanager
-def whole(path: Path) -> Iterator[Path]:
-    """Yield a path to write to, which becomes ``path`` if all went well, and is gone if not.
-
-    Raises InputError where it cannot be written.
-    """
-    part = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
-    try:
-        yield part
-        part.replace(path)
-    except (RuntimeError, OSError) as error:
-        reason = str(error).strip().splitlines()[-1]
-        raise InputError(path, f"cannot be written ({reason})", "check the folder") from error
-    finally:
-        part.unlink(missing_ok=True)

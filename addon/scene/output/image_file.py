@@ -1,4 +1,4 @@
-"""Files of pictures: whose they are while they are written, and whether they are whole.
+"""Files of pictures: whether they are whole, and without what tells one run from the next.
 
 What Blender writes for `render_task`: EXR of 32 bits, ZIP, and PNG of 8 bits. By OpenEXR's file
 layout (https://openexr.com/en/latest/OpenEXRFileLayout.html) and PNG, third edition
@@ -8,8 +8,6 @@ the package.
 
 from __future__ import annotations
 
-import os
-import socket
 import struct
 import zlib
 from collections.abc import Iterator
@@ -19,16 +17,6 @@ import numpy as np
 
 CYCLES_STAMPS = b"cycles."
 """What Cycles notes of its own speed, which no setting turns off, starts with this."""
-
-
-def part_of(path: Path) -> Path:
-    """Return the name under which this process writes a file before it is whole."""
-    return path.with_name(f".{path.stem}.{host()}.{os.getpid()}.part{path.suffix}")
-
-
-def host() -> str:
-    """Return this machine's name as names of files can have it."""
-    return "".join(c for c in socket.gethostname() if c.isalnum() or c == "-") or "host"
 
 
 def whole(exr: Path, width: int, height: int, note: str) -> bool:

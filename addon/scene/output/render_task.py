@@ -1,6 +1,6 @@
 """One picture, whole or not at all: what `render` calls, and a script for a plain Blender.
 
-A batch puts a copy of it and of `image_file` beside its plan: it needs Blender, no package.
+A batch puts copies of it, `image_file` and `atomic_file` beside its plan: it needs no package.
 
     blender -b --factory-startup -P render_task.py -- PLAN.jsonl --first 0 --count 40
     blender -b --factory-startup -P render_task.py -- --serve
@@ -26,10 +26,12 @@ from pathlib import Path
 from typing import Any
 
 if __package__:
-    from .image_file import check, part_of, whole, without_times
+    from ...atomic_file import replacing
+    from .image_file import check, whole, without_times
 else:  # a copy beside a plan
     sys.path.insert(0, str(Path(__file__).resolve().parent))
-    from image_file import check, part_of, whole, without_times  # type: ignore[no-redef]
+    from atomic_file import replacing  # type: ignore[no-redef]
+    from image_file import check, whole, without_times  # type: ignore[no-redef]
 
 ANSWER = "skylight-task "
 """What an answer's line starts with: Blender greets on stdout before any script can stop it."""
@@ -75,15 +77,11 @@ def picture(scene: Any, exr: Path, camera: Any, engine: str | None = None, note:
         result = bpy.data.images["Render Result"]
         for path, form in ((exr.with_suffix(".png"), PNG), (exr, EXR)):  # the EXR last: then done
             put(settings, **form, color_mode=mode)
-            part = part_of(path)
-            try:
+            with replacing(path) as part:
                 result.save_render(str(part), scene=scene)
                 content = part.read_bytes()
                 check(content, width, height, note)
                 part.write_bytes(without_times(content))
-                part.replace(path)
-            finally:
-                part.unlink(missing_ok=True)
 
 
 def size(scene: Any) -> tuple[int, int]:
