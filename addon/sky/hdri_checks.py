@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..spectra.working_spaces import primaries_to_rec709
 from .panorama import Panorama, solid_angles
 
 _FLAT = 0.005
@@ -15,12 +14,9 @@ _FLAT = 0.005
 _COLOURED = 0.03
 """Median of |log(blue / red)| under which a sky is grey itself, and its brightest part may be."""
 
-_PRIMARIES = 0.02
-"""Largest difference from the unit matrix: what rounded chromaticities make."""
-
 
 def signs(panorama: Panorama) -> list[str]:
-    """Return a sentence for each sign that the numbers are not linear Rec.709 light."""
+    """Return the sky's own notes and a sentence for each sign that its numbers are no light."""
     found = []
     share = flat_white(panorama.rgb)
     if share > _FLAT:
@@ -28,12 +24,7 @@ def signs(panorama: Panorama) -> list[str]:
             f"{100 * share:.0f} % of the panorama are flat white: tone-mapped or clipped, so "
             "that its light and colours are wrong; use the scene-linear HDRI"
         )
-    if other_primaries(panorama):
-        found.append(
-            "its header names other primaries than Rec.709, but its numbers are read as Rec.709: "
-            "colours are off by up to ΔE 5; save it as linear Rec.709"
-        )
-    return found
+    return [*panorama.notes, *found]
 
 
 def flat_white(rgb: NDArray[np.float32]) -> float:
@@ -52,11 +43,3 @@ def flat_white(rgb: NDArray[np.float32]) -> float:
     if not len(upper) or np.median(np.abs(np.log(upper[:, 2] / upper[:, 0]))) < _COLOURED:
         return 0.0
     return float(flat.sum(axis=1) @ solid_angles(height, width)) / (4.0 * np.pi)
-
-
-def other_primaries(panorama: Panorama) -> bool:
-    """Whether the file's header says that its numbers are not Rec.709's, whatever its white."""
-    chromaticities = panorama.metadata.get("chromaticities")
-    if chromaticities is None:
-        return False
-    return bool(np.abs(primaries_to_rec709(chromaticities) - np.eye(3)).max() > _PRIMARIES)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +11,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-from .exr_file import read_exr, write_exr
+from .declared_colours import Declared, declared
+from .exr_file import Decode, decode_by_openexr, read_exr
+from .exr_header import AGAIN, MAGIC
+from .exr_layers import shown
+from .exr_writer import write_exr
+from .file_claims import check_shape, regular_size
 from .radiance_hdr import read_radiance
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Luminance weights of linear Rec.709 (ITU-R BT.709-6)."""
+
+LARGEST_HALF = 65504.0
+"""What infinite light is set to, unless there is more in the same sky: half floats end here."""
 
 
 @dataclass(frozen=True)
@@ -23,20 +31,29 @@ class Panorama:
     """A checked lat-long sky: 2:1, finite, nowhere negative, not all black."""
 
     rgb: NDArray[np.float32]
-    """Linear radiance, (h, 2 h, 3), as stored; row 0 at the zenith, column 0 at azimuth 180°."""
+    """Linear radiance, (h, 2 h, 3); row 0 at the zenith, column 0 at azimuth 180°."""
     name: str
     """File name, or what Blender calls the image."""
     metadata: dict[str, Any] = field(default_factory=dict)
     """What the file's header says, unconverted."""
     negatives: int = 0
     """Count of negative values that were set to zero."""
+    notes: tuple[str, ...] = ()
+    """What was done to the numbers, or should be known of them, a sentence each."""
+    space: str = ""
+    """Blender's name of the colour space whose numbers, as stored, are this sky; empty where no
+    space is enough: a layer was chosen, or values were changed or filled in."""
 
 
-def read_panorama(path: str | Path) -> Panorama:
-    """Read a sky from an OpenEXR (``.exr``) or Radiance (``.hdr``) file.
+def read_panorama(
+    path: str | Path, raw: bool = False, decode: Decode = decode_by_openexr
+) -> Panorama:
+    """Read a sky from an OpenEXR (``.exr``) or Radiance (``.hdr``) file, in Linear Rec.709.
 
-    The content decides, not the ending. While reading, less than twice the size of the result
-    is held in memory.
+    The content decides, not the ending. Other primaries that the header names are converted, and
+    what it says that the channels were multiplied by (``COLORCORR``) is divided out. The numbers of
+    a ``raw`` sky are a camera's, whatever primaries its header names. ``decode``: what unpacks
+    OpenEXR; inside Blender that is Blender.
 
     Raises
     ------
@@ -45,22 +62,90 @@ def read_panorama(path: str | Path) -> Panorama:
         or not a sky: see `from_pixels`.
     """
     path = Path(path)
+    size = regular_size(path)
     try:
         with path.open("rb") as file:
             magic = file.read(16)
-    except FileNotFoundError:
-        raise InputError(path, "there is no such file", "check the path") from None
+        if magic.startswith(MAGIC):
+            rgb, metadata = read_exr(path, size, decode)
+        elif magic.startswith(b"#?"):
+            rgb, metadata = read_radiance(path)
+        elif not magic:
+            raise InputError(path, "is empty", AGAIN)
+        else:
+            raise InputError(path, *_other_kind(magic))
     except OSError as error:
         raise InputError(path, f"cannot be opened ({error.strerror})", "check the path") from None
-    if magic.startswith(b"\x76\x2f\x31\x01"):
-        rgb, metadata = read_exr(path)
-    elif magic.startswith(b"#?"):
-        rgb, metadata = read_radiance(path)
-    elif not magic:
-        raise InputError(path, "is empty", "copy or download the file again")
-    else:
-        raise InputError(path, *_other_kind(magic))
-    return from_pixels(rgb, str(path), metadata)
+    except MemoryError:
+        raise InputError(path, "is too large for the memory", "use a smaller one") from None
+    said = declared(metadata, path)
+    notes, changed = _notes(metadata, said, raw)
+    infinite = _clip_infinite(rgb)
+    _convert(rgb, said, raw)
+    sky = from_pixels(rgb, str(path), metadata)
+    clipped = (_infinite(infinite),) if infinite else ()
+    space = "" if changed or infinite else "Non-Color" if raw else said.space
+    return replace(sky, notes=(*notes, *clipped), space=space)
+
+
+def _notes(metadata: Mapping[str, Any], said: Declared, raw: bool) -> tuple[list[str], bool]:
+    """Return a sentence for each thing that is done to a file's numbers, and whether it is more
+    than a change of their colour space."""
+    notes, layers = list(said.told), metadata.get("layers", 1)
+    layer = shown([str(metadata.get("layer", ""))])
+    if layer or layers > 1:
+        called = f"the layer {layer}" if layer else "the layer without a name"
+        notes.append(f"{called} is read" + (f", of {layers} layers" if layers > 1 else ""))
+    if black := metadata.get("black", 0.0):
+        notes.append(f"the file is cropped: {100 * black:.0f} % of the panorama are black for that")
+    if said.to_rec709 is not None and not raw:
+        which = f" ({said.space})" if said.space else ""
+        what = (
+            "its channels are X, Y, Z"
+            if metadata.get("channels") == "XYZ"
+            else (f"its header names other primaries than Rec.709{which}")
+        )
+        notes.append(f"{what}: converted to Rec.709")
+    if said.factors is not None:
+        factors = ", ".join(f"{factor:.4g}" for factor in said.factors)
+        notes.append(
+            f"its header says that red, green and blue were multiplied by {factors} (COLORCORR): "
+            "that is divided out"
+        )
+    return notes, bool(layer or layers > 1 or black or said.factors is not None)
+
+
+def _convert(rgb: NDArray[np.float32], said: Declared, raw: bool) -> None:
+    """Undo what a header says, in place: factors first, for they were applied last."""
+    matrix = np.eye(3) if said.to_rec709 is None or raw else said.to_rec709
+    if said.factors is not None:
+        matrix = matrix / said.factors
+    if np.array_equal(matrix, np.eye(3)):
+        return
+    to_rec709 = matrix.T.astype(np.float32)
+    for row in range(0, len(rgb), 256):
+        rgb[row : row + 256] = rgb[row : row + 256] @ to_rec709
+
+
+def _clip_infinite(rgb: NDArray[np.float32]) -> int:
+    """Set infinite values to the largest that a half float or this sky holds; return how many."""
+    infinite, most = 0, LARGEST_HALF
+    for row in range(0, len(rgb), 256):
+        band = rgb[row : row + 256]
+        endless = np.isposinf(band)
+        infinite += int(endless.sum())
+        most = max(most, float(np.max(band, initial=0.0, where=np.isfinite(band))))
+    for row in range(0, len(rgb) if infinite else 0, 256):
+        band = rgb[row : row + 256]
+        band[np.isposinf(band)] = most
+    return infinite
+
+
+def _infinite(count: int) -> str:
+    return (
+        f"{count} infinite value(s), brighter than half floats hold, were clipped: the sun was "
+        "brighter than that"
+    )
 
 
 def _other_kind(magic: bytes) -> tuple[str, str]:
@@ -82,7 +167,7 @@ def _other_kind(magic: bytes) -> tuple[str, str]:
 
 
 def from_pixels(rgb: ArrayLike, name: str, metadata: Mapping[str, Any] | None = None) -> Panorama:
-    """Check pixels that are to be a sky, and set negative values to zero.
+    """Check pixels that are to be a sky; set negative values to zero and clip infinite ones.
 
     Parameters
     ----------
@@ -95,20 +180,20 @@ def from_pixels(rgb: ArrayLike, name: str, metadata: Mapping[str, Any] | None = 
     Raises
     ------
     InputError
-        When it is not 2:1 (cube maps are named), holds NaN or Inf, or is black all over.
+        When it is not 2:1 (cube maps are named), holds NaN, or is black all over.
     """
     pixels = np.asarray(rgb)
     if pixels.ndim != 3 or pixels.shape[2] != 3:
         raise InputError(name, f"has shape {pixels.shape}, not (h, w, 3)", "pass RGB pixels")
     height, width = pixels.shape[:2]
-    if width != 2 * height or height == 0:
-        raise InputError(name, *_wrong_shape(width, height))
+    check_shape(name, width, height)
     if pixels.dtype != np.float32 or not pixels.flags.writeable:
         pixels = pixels.astype(np.float32)
+    infinite = _clip_infinite(pixels)
     bad, first, negatives, brightest = 0, (0, 0), 0, 0.0
     for row in range(0, height, 256):  # in bands: masks of a 16k sky are large themselves
         band = pixels[row : row + 256]
-        wrong = ~np.isfinite(band).all(axis=2)
+        wrong = np.isnan(band).any(axis=2)
         if wrong.any():
             if not bad:
                 y, x = np.argwhere(wrong)[0]
@@ -121,24 +206,12 @@ def from_pixels(rgb: ArrayLike, name: str, metadata: Mapping[str, Any] | None = 
             band[below] = 0.0
         brightest = max(brightest, float(band.max()))
     if bad:
-        problem = f"{bad} pixels are NaN or Inf, the first at x = {first[0]}, y = {first[1]} from"
+        problem = f"{bad} pixels are NaN, the first at x = {first[0]}, y = {first[1]} from"
         raise InputError(name, f"{problem} the top left", "repair them in a picture editor")
     if brightest <= 0.0:
         raise InputError(name, "is black all over", "choose a sky that holds light")
-    return Panorama(pixels, name, dict(metadata or {}), negatives)
-
-
-def _wrong_shape(width: int, height: int) -> tuple[str, str]:
-    """Say what a picture that is not 2:1 probably is, and what to do about it."""
-    size = f"is {width} x {height}"
-    if height and (width, height) in [
-        (6 * height, height),
-        (width, 6 * width),
-        (height * 4 // 3, height),
-        (width, width * 4 // 3),
-    ]:
-        return f"{size}, a cube map", "convert it to lat-long (equirectangular, 2:1)"
-    return f"{size}, not 2:1 as a lat-long panorama is", "export it as equirectangular, 2:1"
+    notes = (_infinite(infinite),) if infinite else ()
+    return Panorama(pixels, name, dict(metadata or {}), negatives, notes)
 
 
 def write_panorama(

@@ -14,6 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .exr_layers import shown
+from .file_claims import check_shape, check_size
 
 # ldexp(1, e - 136) by exponent byte; e = 0 means black.
 _SCALE = np.ldexp(np.float32(1), np.arange(256) - 136).astype(np.float32)
@@ -33,13 +35,14 @@ _PIXELS_AT_ONCE = 1 << 17
 def read_radiance(path: Path) -> tuple[NDArray[np.float32], dict[str, object]]:
     """Read a Radiance picture, (h, w, 3) with row 0 at the top, and its header.
 
-    Values are as stored: ``EXPOSURE`` stays in the header and is not applied (nor does Blender).
+    Values are as stored: nothing that the header says of them is applied (nor does Blender). Of an
+    entry that stands there several times the header holds a tuple.
 
     Raises
     ------
     InputError
-        When the header is damaged, the colours are XYZ, the picture stands on its side, or
-        scanlines are missing or damaged (the error names the first).
+        When the header is damaged, the colours are XYZ, the picture stands on its side or is not
+        2:1, or scanlines are missing or damaged (the error names the first).
     """
     data = path.read_bytes()
     height, width, flip_y, flip_x, header, start = _header(path, data)
@@ -73,13 +76,17 @@ def _header(path: Path, data: bytes) -> tuple[int, int, bool, bool, dict[str, ob
     for line in data[: size.start()].decode("latin-1").splitlines()[1:]:
         name, equals, value = line.partition("=")
         if equals and not line.startswith("#"):
-            header[name.strip()] = value.strip()
+            name, before = name.strip(), header.get(name.strip())
+            several = before if isinstance(before, tuple) else () if before is None else (before,)
+            header[name] = (*several, value.strip()) if several else value.strip()
     if header.get("FORMAT", "32-bit_rle_rgbe") != "32-bit_rle_rgbe":
-        raise InputError(path, f"holds {header['FORMAT']}, not RGB", "convert it with ra_xyze -r")
-    y, height, x, width = size.groups()
-    if not 0 < int(height) * int(width) <= 1 << 30:
-        raise InputError(path, f"claims {int(width)} x {int(height)} pixels", "save it again")
-    return int(height), int(width), y == b"+", x == b"-", header, size.end()
+        raise InputError(
+            path, f"holds {shown([str(header['FORMAT'])])}, not RGB", "convert it with ra_xyze -r"
+        )
+    y, height, x, width = size[1], int(size[2]), size[3], int(size[4])
+    check_shape(path, width, height)
+    check_size(path, (width, height), 12 * width * height, len(data))
+    return height, width, y == b"+", x == b"-", header, size.end()
 
 
 def _unpack_new(data: bytes, start: int, rows: int, width: int) -> tuple[NDArray[np.uint8], int]:
@@ -91,9 +98,10 @@ def _unpack_new(data: bytes, start: int, rows: int, width: int) -> tuple[NDArray
     """
     magic = bytes([2, 2, width >> 8, width & 255])
     done: list[NDArray[np.uint8]] = []
+    most = rows  # places to walk at once: fewer where many of them led nowhere
     while len(done) < rows:
         begins, place = [], start
-        while len(begins) < rows - len(done) and (place := data.find(magic, place)) >= 0:
+        while len(begins) < min(most, rows - len(done)) and (place := data.find(magic, place)) >= 0:
             begins.append(place)
             place += 1
         if not begins or begins[0] != start:
@@ -108,6 +116,7 @@ def _unpack_new(data: bytes, start: int, rows: int, width: int) -> tuple[NDArray
         if not chain:
             break
         done.extend(lines[chain])
+        most = 2 * len(chain) + 1
     stacked = np.array(done, np.uint8).reshape(-1, 4, width)
     return stacked.transpose(0, 2, 1), start
 
