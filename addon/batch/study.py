@@ -172,7 +172,7 @@ def _skies(table: Table, here: Path) -> tuple[Sky, ...]:
 
 def _sky(table: Table, here: Path) -> Iterable[Sky]:
     """Give the skies of one table: a file's, or one for each of its times."""
-    from ..sky.panorama import read_panorama
+    from ..scene.files.exr_decoder import read_sky
     from ..sky.simulation import LOWEST_SUN
     from ..sky.sun_position import sun_positions
 
@@ -181,7 +181,7 @@ def _sky(table: Table, here: Path) -> Iterable[Sky]:
             if key in table.values:
                 table.wrong(key, "leave it out beside a file, or leave out the file")
         file = _file(table.place, here / table.text("file"))
-        read_panorama(file)
+        read_sky(file)
         north = table.number("north", -360.0, 360.0, None)
         yield Sky(table.text("name", file.stem), file_hash(file), north, file=file)
         return

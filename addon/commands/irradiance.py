@@ -35,15 +35,16 @@ def run(options: argparse.Namespace) -> None:
 
     from ..pictures.png_file import write_png
     from ..pictures.sky_map import marked
+    from ..scene.files.exr_decoder import read_sky
     from ..sky.irradiance import irradiance_map
     from ..sky.light import analyse
-    from ..sky.panorama import read_panorama, write_panorama
+    from ..sky.panorama import write_panorama
     from ..transfer.matrices import transfer
     from ..transfer.white import estimate_white, settle_white
 
     if options.width < 4 or options.width % 2:
         raise InputError("--width", f"{options.width} pixels", "give an even number of at least 4")
-    panorama = read_panorama(options.sky)
+    panorama = read_sky(options.sky)
     light = analyse(panorama, options.degree)
     white, note = settle_white(options.white, lambda: estimate_white(light, transfer()))
     if white is not None:

@@ -45,8 +45,8 @@ def choose(options: argparse.Namespace, reflectances: Any) -> UnderSky:
     """
     import numpy as np
 
+    from ..scene.files.exr_decoder import read_sky
     from ..sky.light import analyse
-    from ..sky.panorama import read_panorama
     from ..spectra.sensitivities import camera, observer
     from ..spectra.working_spaces import rec709_to_working
     from ..transfer.choice import choose_with, doubt
@@ -63,7 +63,7 @@ def choose(options: argparse.Namespace, reflectances: Any) -> UnderSky:
         S_in = observer() if options.camera is None else camera(options.camera)
         if isinstance(white, tuple):
             S_in = S_in / np.array(white)[:, None]
-        light = analyse(read_panorama(options.sky), S_in=S_in)
+        light = analyse(read_sky(options.sky, raw=options.camera is not None), S_in=S_in)
         elevation = light.sun_elevation(elevation)
         lights = light.faces
         if options.camera is None:

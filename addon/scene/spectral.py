@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..sky.light import SkyLight
-from ..sky.panorama import read_panorama
 from ..spectra.reflectance import reflectance_hash
 from ..spectra.working_spaces import rec709_to_working
 from ..transfer.choice import doubt, lowest_degree, sky_line, visibility_line
@@ -67,7 +66,6 @@ def set_sky(scene: bpy.types.Scene, path: str | Path, settings: Settings) -> bpy
 
     Raises InputError for a file that is no sky (the scene is untouched) and for wrong settings.
     """
-    read_panorama(path)
     settings.transfer()
     worlds.set_sky(scene, path, raw=settings.camera is not None)
     return develop(scene, settings)

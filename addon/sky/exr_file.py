@@ -48,41 +48,81 @@ def decode_by_openexr(path: Path, names: tuple[str, ...]) -> NDArray[np.float32]
     return pixels
 
 
-def read_exr(
-    path: Path, size: int, decode: Decode = decode_by_openexr
-) -> tuple[NDArray[np.float32], dict[str, Any]]:
-    """Read the sky of an OpenEXR file of ``size`` bytes and its header.
+def look(
+    file: BinaryIO, size: int, place: object
+) -> tuple[Colours, tuple[int, int, int, int], dict[str, Any]]:
+    """Return which channels of an OpenEXR file are the sky, the window that it fills, its header.
 
-    Colours (h, 2 h, 3) float32 as stored, row 0 at the top; the channels are those of
-    `find_colours`. Where the data window does not cover the display window the rest is black. The
-    header holds the file's attributes, and ``layer``, ``layers`` (how many there are), ``channels``
-    ("RGB", "XYZ", "Y") and ``black`` (the part of the picture that no pixels cover).
-
-    Raises
-    ------
-    InputError
-        When the file is cut short or damaged, holds no such channels, or is no 2:1 picture.
+    The window is the display window, or the data window where that alone is 2:1. The header holds
+    the file's attributes, and ``layer``, ``layers`` (how many there are), ``channels`` ("RGB",
+    "XYZ", "Y"), ``one_letter`` (whether that is all that they are called) and ``black`` (the part
+    of the window that no pixels cover). Raises `InputError` as `read_exr` does.
     """
-    with path.open("rb") as file:
-        parts = read_header(file, size, path)
-        colours = find_colours(parts, path)
-        part = colours.part
-        window = _window(part.data_window, part.display_window)
-        left, top, right, bottom = window
-        width, height = right - left + 1, bottom - top + 1
-        check_shape(path, width, height)
-        check_size(path, (width, height), max(part.decoded, 12 * width * height), size)
-        places = block_places(file, size, part, path)
-        held = _unpacked(path, file, colours, places, decode)
-    pixels, black = _placed(held, part.data_window, window)
+    parts = read_header(file, size, place)
+    colours = find_colours(parts, place)
+    part = colours.part
+    left, top, right, bottom = window = _window(part.data_window, part.display_window)
+    across, down = _overlap(part.data_window, window)
     header = {
         **part.attributes,
         "layer": colours.layer,
         "layers": 1 + colours.others,
         "channels": colours.kind,
-        "black": black,
+        "one_letter": len(parts) == 1 and all(len(each.name) == 1 for each in colours.channels),
+        "black": 1.0 - len(across) * len(down) / ((right - left + 1) * (bottom - top + 1)),
     }
-    return pixels, header
+    return colours, window, header
+
+
+def read_exr(
+    path: Path, size: int, decode: Decode = decode_by_openexr
+) -> tuple[NDArray[np.float32], dict[str, Any]]:
+    """Read the sky of an OpenEXR file of ``size`` bytes, and its header as `look` returns it.
+
+    Colours (h, 2 h, 3) float32 as stored, row 0 at the top; black where no pixels are.
+
+    Raises
+    ------
+    InputError
+        When the file is cut short or damaged, holds no colours, or is no 2:1 picture.
+    """
+    with path.open("rb") as file:
+        colours, window, header = look(file, size, path)
+        part = colours.part
+        left, top, right, bottom = window
+        width, height = right - left + 1, bottom - top + 1
+        check_shape(path, width, height)
+        check_size(path, (width, height), max(part.decoded, 12 * width * height), size)
+        places = block_places(file, size, part, path)
+        pixels = _unpacked(path, file, colours, places, decode)
+    if part.data_window == window:
+        return pixels, header
+    whole = np.zeros((height, width, 3), np.float32)
+    across, down = _overlap(part.data_window, window)
+    if across and down:
+        x, y, _, _ = part.data_window
+        there = pixels[down.start - y : down.stop - y, across.start - x : across.stop - x]
+        whole[down.start - top : down.stop - top, across.start - left : across.stop - left] = there
+    return whole, header
+
+
+def _window(
+    data: tuple[int, int, int, int], display: tuple[int, int, int, int]
+) -> tuple[int, int, int, int]:
+    for left, top, right, bottom in (display, data):
+        if right - left + 1 == 2 * (bottom - top + 1):
+            return left, top, right, bottom
+    return data
+
+
+def _overlap(
+    data: tuple[int, int, int, int], window: tuple[int, int, int, int]
+) -> tuple[range, range]:
+    """Return which columns and rows of a window have pixels."""
+    return (
+        range(max(data[0], window[0]), min(data[2], window[2]) + 1),
+        range(max(data[1], window[1]), min(data[3], window[3]) + 1),
+    )
 
 
 def _unpacked(
@@ -118,33 +158,3 @@ def _unpacked(
     if pixels.shape[:2] != (bottom - top + 1, right - left + 1):
         raise InputError(path, f"unpacks to {pixels.shape[1]} x {pixels.shape[0]} pixels", AGAIN)
     return pixels if pixels.shape[2] == 3 else np.repeat(pixels, 3, axis=2)
-
-
-def _window(
-    data: tuple[int, int, int, int], display: tuple[int, int, int, int]
-) -> tuple[int, int, int, int]:
-    """Return the window that is the panorama: what is displayed, else all that there is."""
-    for left, top, right, bottom in (display, data):
-        if right - left + 1 == 2 * (bottom - top + 1):
-            return left, top, right, bottom
-    return display if data == display else data
-
-
-def _placed(
-    pixels: NDArray[np.float32],
-    data: tuple[int, int, int, int],
-    window: tuple[int, int, int, int],
-) -> tuple[NDArray[np.float32], float]:
-    """Return a window's pixels from those of the data window, and which part of them is black."""
-    if data == window:
-        return pixels, 0.0
-    left, top, right, bottom = window
-    whole = np.zeros((bottom - top + 1, right - left + 1, 3), np.float32)
-    x, y = max(left, data[0]), max(top, data[1])
-    across, down = min(right, data[2]) + 1 - x, min(bottom, data[3]) + 1 - y
-    if across <= 0 or down <= 0:
-        return whole, 1.0
-    whole[y - top : y - top + down, x - left : x - left + across] = pixels[
-        y - data[1] : y - data[1] + down, x - data[0] : x - data[0] + across
-    ]
-    return whole, 1.0 - across * down / (whole.shape[0] * whole.shape[1])

@@ -255,10 +255,10 @@ def _check(part: Part) -> None:
 
 def _count(part: Part, source: _Source) -> int:
     """Return how many blocks a part has."""
-    told = part.attributes.get("chunkCount")
+    told = part.attributes.get("chunkCount", -1)
     known = part.compression in COMPRESSIONS
     if part.number is not None:
-        count = told if part.kinds.get("chunkCount") == "int" else -1
+        count = int(told) if part.kinds.get("chunkCount") == "int" else -1
     elif part.tiles:
         count = _tiles(part)
     elif known:

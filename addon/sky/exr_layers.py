@@ -96,7 +96,7 @@ def _layers(part: Part, several: bool) -> list[tuple[str, str, tuple[Channel, ..
             layer, _, component = channel.name.rpartition(".")
             layers.setdefault(layer, {})[component.lower()] = channel
     name = str(part.attributes.get("name", "")) if several else ""
-    found = []
+    found: list[tuple[str, str, tuple[Channel, ...]]] = []
     for layer, held in layers.items():
         label = layer if not name or layer.startswith(name) else f"{name}.{layer}".rstrip(".")
         for kind, letters in (("RGB", COLOURS), ("XYZ", TRISTIMULUS)):

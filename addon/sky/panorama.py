@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-from .declared_colours import Declared, declared
+from .declared_colours import Declared
 from .exr_file import Decode, decode_by_openexr, read_exr
 from .exr_header import AGAIN, MAGIC
-from .exr_layers import shown
 from .exr_writer import write_exr
 from .file_claims import check_shape, regular_size
+from .header_notes import said_by
 from .radiance_hdr import read_radiance
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -78,41 +78,22 @@ def read_panorama(
         raise InputError(path, f"cannot be opened ({error.strerror})", "check the path") from None
     except MemoryError:
         raise InputError(path, "is too large for the memory", "use a smaller one") from None
-    said = declared(metadata, path)
-    notes, changed = _notes(metadata, said, raw)
+    said = said_by(metadata, path)
     infinite = _clip_infinite(rgb)
-    _convert(rgb, said, raw)
+    _convert(rgb, said.declared, raw)
     sky = from_pixels(rgb, str(path), metadata)
-    clipped = (_infinite(infinite),) if infinite else ()
-    space = "" if changed or infinite else "Non-Color" if raw else said.space
-    return replace(sky, notes=(*notes, *clipped), space=space)
-
-
-def _notes(metadata: Mapping[str, Any], said: Declared, raw: bool) -> tuple[list[str], bool]:
-    """Return a sentence for each thing that is done to a file's numbers, and whether it is more
-    than a change of their colour space."""
-    notes, layers = list(said.told), metadata.get("layers", 1)
-    layer = shown([str(metadata.get("layer", ""))])
-    if layer or layers > 1:
-        called = f"the layer {layer}" if layer else "the layer without a name"
-        notes.append(f"{called} is read" + (f", of {layers} layers" if layers > 1 else ""))
-    if black := metadata.get("black", 0.0):
-        notes.append(f"the file is cropped: {100 * black:.0f} % of the panorama are black for that")
-    if said.to_rec709 is not None and not raw:
-        which = f" ({said.space})" if said.space else ""
-        what = (
-            "its channels are X, Y, Z"
-            if metadata.get("channels") == "XYZ"
-            else (f"its header names other primaries than Rec.709{which}")
-        )
-        notes.append(f"{what}: converted to Rec.709")
-    if said.factors is not None:
-        factors = ", ".join(f"{factor:.4g}" for factor in said.factors)
-        notes.append(
-            f"its header says that red, green and blue were multiplied by {factors} (COLORCORR): "
-            "that is divided out"
-        )
-    return notes, bool(layer or layers > 1 or black or said.factors is not None)
+    notes = [
+        *said.declared.told,
+        *([said.layer] if said.layer else []),
+        *([f"{said.primaries}: converted"] if said.primaries and not raw else []),
+        *([f"{said.factors}: that is divided out"] if said.factors else []),
+        *([_cropped(said.black)] if said.black else []),
+        *([_infinite(infinite)] if infinite else []),
+    ]
+    as_stored = not (said.layer or said.factors or said.black or infinite)
+    as_stored &= metadata.get("one_letter", True)
+    space = "Non-Color" if raw else said.declared.space
+    return replace(sky, notes=tuple(notes), space=space if as_stored else "")
 
 
 def _convert(rgb: NDArray[np.float32], said: Declared, raw: bool) -> None:
@@ -133,12 +114,16 @@ def _clip_infinite(rgb: NDArray[np.float32]) -> int:
     for row in range(0, len(rgb), 256):
         band = rgb[row : row + 256]
         endless = np.isposinf(band)
-        infinite += int(endless.sum())
+        infinite += int(np.count_nonzero(endless))
         most = max(most, float(np.max(band, initial=0.0, where=np.isfinite(band))))
     for row in range(0, len(rgb) if infinite else 0, 256):
         band = rgb[row : row + 256]
         band[np.isposinf(band)] = most
     return infinite
+
+
+def _cropped(black: float) -> str:
+    return f"the file is cropped: {100 * black:.0f} % of the panorama are black for that"
 
 
 def _infinite(count: int) -> str:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,8 @@ _ADVANCE = np.where(_CODE > 128, 2, _CODE + 1)
 _BANDS = 64
 _PIXELS_AT_ONCE = 1 << 17
 
+_HEADER = 1 << 16  # bytes: a longer one is none
+
 
 def read_radiance(path: Path) -> tuple[NDArray[np.float32], dict[str, object]]:
     """Read a Radiance picture, (h, w, 3) with row 0 at the top, and its header.
@@ -45,7 +48,7 @@ def read_radiance(path: Path) -> tuple[NDArray[np.float32], dict[str, object]]:
         2:1, or scanlines are missing or damaged (the error names the first).
     """
     data = path.read_bytes()
-    height, width, flip_y, flip_x, header, start = _header(path, data)
+    height, width, flip_y, flip_x, header, start = _header(path, data, len(data))
     rgb = np.empty((height, width, 3), np.float32)
     rows = max(1, height // _BANDS, _PIXELS_AT_ONCE // width)
     packed = data[start : start + 4]
@@ -65,11 +68,18 @@ def read_radiance(path: Path) -> tuple[NDArray[np.float32], dict[str, object]]:
     return rgb[:: -1 if flip_y else 1, :: -1 if flip_x else 1], header
 
 
-def _header(path: Path, data: bytes) -> tuple[int, int, bool, bool, dict[str, object], int]:
+def read_radiance_header(file: BinaryIO, size: int, place: object) -> dict[str, object]:
+    """Return the header of an open file of ``size`` bytes; raises `InputError` if it is damaged."""
+    return _header(place, file.read(_HEADER), size)[4]
+
+
+def _header(
+    path: object, data: bytes, file_size: int
+) -> tuple[int, int, bool, bool, dict[str, object], int]:
     """Return height, width, whether to flip each, the header's variables and its length."""
-    size = re.compile(rb"\n([-+])Y (\d{1,6}) ([-+])X (\d{1,6})\n").search(data, 0, 1 << 16)
+    size = re.compile(rb"\n([-+])Y (\d{1,6}) ([-+])X (\d{1,6})\n").search(data, 0, _HEADER)
     if not size:
-        sideways = re.compile(rb"\n[-+]X \d+ [-+]Y \d+\n").search(data, 0, 1 << 16)
+        sideways = re.compile(rb"\n[-+]X \d+ [-+]Y \d+\n").search(data, 0, _HEADER)
         problem = "stands on its side" if sideways else "has no resolution line in its header"
         raise InputError(path, problem, "save it again as an upright lat-long .hdr or .exr")
     header: dict[str, object] = {}
@@ -85,7 +95,7 @@ def _header(path: Path, data: bytes) -> tuple[int, int, bool, bool, dict[str, ob
         )
     y, height, x, width = size[1], int(size[2]), size[3], int(size[4])
     check_shape(path, width, height)
-    check_size(path, (width, height), 12 * width * height, len(data))
+    check_size(path, (width, height), 12 * width * height, file_size)
     return height, width, y == b"+", x == b"-", header, size.end()
 
 

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...sky.exr_file import read_exr
 from ...sky.panorama import LUMINANCE
 from ..blend_data import fingerprint, nodes, working_space
+from ..files.exr_decoder import decode_by_blender
 from . import diffuse_copy, sky_texture
 from . import hdri as worlds
 
@@ -133,7 +133,7 @@ def _shot(
         reason = "it was cancelled, or Blender is rendering something else"
     if "FINISHED" not in done or not path.is_file():
         raise InputError(f'World "{scene.world.name}"', f"cannot be baked ({reason})", "try again")
-    rgb, _ = read_exr(path)
+    rgb = decode_by_blender(path, ("R", "G", "B"))
     path.unlink()
     return rgb
 

@@ -13,6 +13,7 @@ from ....node_groups import spectral_matrix
 from ....node_groups import tree as groups
 from ...errors import InputError
 from ..blend_data import nodes, working_space
+from . import sky_image
 
 CURE = "plug an equirectangular Environment Texture straight into the World's Background"
 
@@ -152,10 +153,12 @@ def set_sky(scene: bpy.types.Scene, path: str | Path, raw: bool = False) -> bpy.
     The scene's World is kept where its image is that file already. Otherwise the scene gets a new
     one; the user's own is never edited. A ``raw`` file's numbers are a camera's: Blender must not
     convert them, so a newly loaded image is tagged Non-Color. Raises InputError if the file
-    cannot be read as an image.
+    is no sky, as `sky.panorama.read_panorama` does.
     """
     path = Path(path).resolve()
-    scene.world = scene.world if _shows(scene.world, path) else _new_world(path, raw)
+    shown = None if scene.world is None else sky_of(scene.world).image
+    if shown is None or not sky_image.is_of(shown, path):
+        scene.world = _new_world(sky_image.load(path, raw))
     return scene.world
 
 
@@ -187,21 +190,7 @@ def develop(scene: bpy.types.Scene, matrix) -> bpy.types.World:
     return scene.world
 
 
-def _shows(world: bpy.types.World | None, path: Path) -> bool:
-    image = None if world is None else sky_of(world).image
-    if image is None:
-        return False
-    file = bpy.path.abspath(image.filepath, library=image.library)
-    return image.source == "FILE" and bool(file) and Path(file).resolve() == path
-
-
-def _new_world(path: Path, raw: bool) -> bpy.types.World:
-    try:
-        image = bpy.data.images.load(str(path), check_existing=True)
-    except RuntimeError as error:
-        raise InputError(path, "cannot be read as an image", "give an .exr or .hdr sky") from error
-    if raw and image.users == 0:
-        image.colorspace_settings.name = "Non-Color"
+def _new_world(image: bpy.types.Image) -> bpy.types.World:
     world = bpy.data.worlds.new("Skylight")
     nodes.use(world)
     tree = world.node_tree

@@ -11,7 +11,9 @@ import numpy as np
 from ...errors import InputError
 from ...sky.light import SkyLight, analyse
 from ...sky.panorama import from_pixels
-from . import capture, sky_texture
+from ...spectra.working_spaces import rec709_to_working
+from ..blend_data import working_space
+from . import capture, sky_image, sky_texture
 from . import hdri as worlds
 
 CUT_OFF = "its image has 8 bits a channel: light over white is cut off; use an .exr or .hdr"
@@ -29,6 +31,7 @@ def light_of(world: bpy.types.World | None, sensors: np.ndarray) -> SkyLight:
     signs = [sky.line] if sky.line else []
     if sky.image is not None and (sky.image.is_float or not sky.image.has_data):
         pixels = pixels_of(sky.image)
+        signs += sky_image.notes(sky.image)
     else:
         signs += [CUT_OFF] if sky.image is not None else []
         pixels, frame = capture.bake(world, sky)
@@ -58,15 +61,21 @@ def pixels_of(image: bpy.types.Image) -> np.ndarray:
     """The pixels of an HDRI as float32 RGB (h, w, 3), top row first, in the file's working space.
 
     Blender has then applied the image's colour space (none for Non-Color); packed, external
-    and linked images give the same. Raises InputError for a missing file and for 8 bits a channel.
+    and linked images give the same. Of several layers it is the one that `sky.exr_layers` chooses.
+    Raises InputError for a missing or cropped file and for 8 bits a channel.
     """
     place = f'image "{image.name}"'
     width, height = image.size  # asking makes Blender load the file
+    if image.type == "MULTILAYER":
+        raw = image.colorspace_settings.is_data
+        matrix = np.eye(3) if raw else rec709_to_working(working_space.name())
+        return sky_image.read_layer(image).rgb @ matrix.T.astype(np.float32)
     if width == 0 or height == 0:
         file = bpy.path.abspath(image.filepath, library=image.library)
         raise InputError(place, f'cannot be read from "{file}"', "restore or pack the file")
     if not image.is_float:
         raise InputError(place, "has 8 bits a channel", "use an .exr or .hdr, which holds light")
+    sky_image.check_whole(image)
     pixels = np.empty(width * height * image.channels, dtype=np.float32)
     image.pixels.foreach_get(pixels)
     pixels = pixels.reshape(height, width, image.channels)[::-1]

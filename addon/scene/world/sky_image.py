@@ -1,0 +1,149 @@
+"""Sky files as images of Blender: loaded so that Blender shows what the file means.
+
+Blender reads most files as `sky.panorama` does once the image has the right colour space. Where it
+does not (other layers first, a cropped panorama, channels that were multiplied, an infinite sun,
+primaries that Blender has no name for) the sky as it was read is packed into the blend file.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import tempfile
+from pathlib import Path
+
+import bpy
+
+from ...errors import InputError
+from ...sky.file_claims import regular_size
+from ...sky.header_notes import Said, read_said
+from ...sky.panorama import Panorama, write_panorama
+from ...spectra.working_spaces import DEFAULT_SPACE
+from ..files.exr_decoder import read_sky
+
+KEY = "spectral_skylight_sky"
+"""Of an image that holds a sky as it was read: its file, and what was done to it."""
+
+LOAD = "load it by Load Sky HDRI"
+
+
+def load(path: Path, raw: bool = False) -> bpy.types.Image:
+    """Load a sky file as an image; the numbers of a ``raw`` one are a camera's, never converted.
+
+    Raises InputError where `sky.panorama.read_panorama` does; nothing is loaded then.
+    """
+    sky = read_sky(path, raw)
+    if sky.space:
+        image = bpy.data.images.load(str(path), check_existing=True)
+        if image.users and image.colorspace_settings.name != sky.space and not raw:
+            image = bpy.data.images.load(str(path))  # another World shows it otherwise
+        if image.users or _tag(image, sky.space):
+            return image
+        bpy.data.images.remove(image)
+    return _packed(path, sky, raw)
+
+
+def _tag(image: bpy.types.Image, space: str) -> bool:
+    """Give an image a colour space; False where this Blender has none of that name."""
+    try:
+        image.colorspace_settings.name = space
+    except TypeError:
+        return False
+    return True
+
+
+def _packed(path: Path, sky: Panorama, raw: bool) -> bpy.types.Image:
+    with tempfile.TemporaryDirectory(prefix="skylight-") as folder:
+        # Under a name of its own: unpacking must not overwrite the file that was read.
+        copy = Path(folder) / f"{path.stem}.as_read.exr"
+        write_panorama(copy, sky.rgb)
+        image = bpy.data.images.load(str(copy))
+        image.colorspace_settings.name = "Non-Color" if raw else DEFAULT_SPACE
+        image.pack()
+    image.filepath_raw = f"//{copy.name}"
+    image.name = path.name
+    image[KEY] = json.dumps({"file": _stamp(path), "notes": list(sky.notes)})
+    return image
+
+
+def is_of(image: bpy.types.Image, path: Path) -> bool:
+    """Return whether an image shows a file, or holds it as it was read."""
+    if KEY in image:
+        return bool(json.loads(image[KEY])["file"] == _stamp(path))
+    file = bpy.path.abspath(image.filepath, library=image.library)
+    return image.source == "FILE" and bool(file) and Path(file).resolve() == path
+
+
+def _stamp(path: Path) -> list[str | int]:
+    """Return what tells whether a file is still the one that was read."""
+    try:
+        found = path.stat()
+    except OSError:
+        return [str(path), 0, 0]
+    return [str(path), found.st_size, found.st_mtime_ns]
+
+
+def notes(image: bpy.types.Image) -> list[str]:
+    """Return what should be known of an image's numbers, by the header of its file, a line each."""
+    if KEY in image:
+        return list(json.loads(image[KEY])["notes"])
+    said = _said(image)
+    if said is None:
+        return []
+    found, tag = list(said.declared.told), image.colorspace_settings
+    if said.layer:
+        found.append(f"{said.layer}; {LOAD}, so that Blender shows the same")
+    if said.declared.factors is not None:
+        found.append(f"{said.factors}; {LOAD}, which divides that out")
+    if said.primaries and not tag.is_data:
+        space = said.declared.space
+        if tag.name == space:
+            found.append(f"{said.primaries}: converted")
+        elif space:
+            found.append(
+                f"{said.primaries}, but its Color Space is {tag.name}: set that to {space}"
+            )
+        else:
+            found.append(f"{said.primaries}; {LOAD}, which converts them")
+    return found
+
+
+def check_whole(image: bpy.types.Image) -> None:
+    """Raise InputError for an image whose file is a part of a panorama, which Blender stretches."""
+    said = None if KEY in image else _said(image)
+    if said is not None and said.black:
+        what = "its file is cropped, and Blender stretches it over the whole sphere"
+        raise InputError(f'image "{image.name}"', what, f"{LOAD}, which fills in black")
+
+
+def read_layer(image: bpy.types.Image) -> Panorama:
+    """Read an image of several layers, which Blender hands over none of, from its file.
+
+    Raises InputError where `sky.panorama.read_panorama` does.
+    """
+    if not image.packed_file:
+        return read_sky(_file(image), raw=image.colorspace_settings.is_data)
+    with tempfile.TemporaryDirectory(prefix="skylight-") as folder:
+        copy = Path(folder) / "packed.exr"
+        copy.write_bytes(image.packed_file.data)
+        return read_sky(copy, raw=image.colorspace_settings.is_data)
+
+
+def _said(image: bpy.types.Image) -> Said | None:
+    """Return what the header of an image's file says; None where there is no file to ask."""
+    if image.source != "FILE":
+        return None
+    try:
+        if image.packed_file:
+            content = image.packed_file.data
+            return read_said(io.BytesIO(content), len(content), image.name)
+        path = _file(image)
+        size = regular_size(path)
+        with path.open("rb") as file:
+            return read_said(file, size, image.name)
+    except (InputError, OSError):
+        return None  # what is wrong with it is said where its pixels are read
+
+
+def _file(image: bpy.types.Image) -> Path:
+    return Path(bpy.path.abspath(image.filepath, library=image.library))

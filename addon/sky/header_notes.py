@@ -1,0 +1,63 @@
+"""What a sky's header says of its numbers, as sentences for a person."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, BinaryIO
+
+from ..errors import InputError
+from .declared_colours import Declared, declared
+from .exr_file import look
+from .exr_header import AGAIN, MAGIC
+from .exr_layers import shown
+from .radiance_hdr import read_radiance_header
+
+
+@dataclass(frozen=True)
+class Said:
+    """What is said: of colours, and a sentence on each other thing, empty where there is none.
+
+    ``black``: which part (0 to 1) of the panorama a cropped file leaves black.
+    """
+
+    declared: Declared
+    layer: str
+    primaries: str
+    factors: str
+    black: float
+
+
+def said_by(header: Mapping[str, Any], place: object) -> Said:
+    """Return what a header says; raises `InputError` as `declared` does."""
+    found = declared(header, place)
+    layers, name = header.get("layers", 1), shown([str(header.get("layer", ""))])
+    layer = primaries = factors = ""
+    if name or layers > 1:
+        layer = f"the layer {name} is read" if name else "the layer without a name is read"
+        layer += f", of {layers} layers" if layers > 1 else ""
+    if header.get("channels") == "XYZ":
+        primaries = "its channels are X, Y, Z"
+    elif found.to_rec709 is not None:
+        called = f" ({found.space})" if found.space else ""
+        primaries = f"its header names other primaries than Rec.709{called}"
+    if found.factors is not None:
+        values = ", ".join(f"{factor:.4g}" for factor in found.factors)
+        factors = (
+            f"its header says that red, green and blue were multiplied by {values} (COLORCORR)"
+        )
+    return Said(found, layer, primaries, factors, header.get("black", 0.0))
+
+
+def read_said(file: BinaryIO, size: int, place: object) -> Said:
+    """Return what the header of an open OpenEXR or Radiance file of ``size`` bytes says.
+
+    Raises `InputError` where that cannot be read.
+    """
+    magic = file.read(len(MAGIC))
+    file.seek(0)
+    if magic == MAGIC:
+        return said_by(look(file, size, place)[2], place)
+    if magic.startswith(b"#?"):
+        return said_by(read_radiance_header(file, size, place), place)
+    raise InputError(place, "is neither OpenEXR nor Radiance (.hdr)", AGAIN)
