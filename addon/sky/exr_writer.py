@@ -6,7 +6,6 @@ for Python and saves neither channels nor attributes of one's own.
 
 from __future__ import annotations
 
-import os
 import struct
 import zlib
 from collections.abc import Mapping
@@ -16,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..whole_files import writing
 from .exr_plain import pack_header
 
 _LINES = 16  # of a block of ZIP
@@ -46,26 +45,18 @@ def write_exr(
     planes = [np.asarray(channels[name], "<f4") for name in sorted(channels)]
     height, width = planes[0].shape
     header = pack_header(_attributes(sorted(channels), width, height, attributes))
-    # In the same folder: only there is the last step, the renaming, one indivisible act.
-    temporary = path.with_name(f".{path.stem}-{os.getpid()}.exr")
-    try:
-        with temporary.open("wb") as file:
-            count = -(-height // _LINES)
-            place, table = len(header) + 8 * count, []
-            file.write(header + bytes(8 * count))
-            for row in range(0, height, _LINES):
-                rows = np.stack([plane[row : row + _LINES] for plane in planes], axis=1)
-                block = _packed(rows.tobytes())
-                table.append(place)
-                place += 8 + len(block)
-                file.write(struct.pack("<2i", row, len(block)) + block)
-            file.seek(len(header))
-            file.write(struct.pack(f"<{count}Q", *table))
-        temporary.replace(path)
-    except OSError as error:
-        raise InputError(path, f"cannot be written ({error})", "choose another place") from None
-    finally:
-        temporary.unlink(missing_ok=True)
+    count = -(-height // _LINES)
+    place, table = len(header) + 8 * count, []
+    with writing(path) as part, part.open("wb") as file:
+        file.write(header + bytes(8 * count))
+        for row in range(0, height, _LINES):
+            rows = np.stack([plane[row : row + _LINES] for plane in planes], axis=1)
+            block = _packed(rows.tobytes())
+            table.append(place)
+            place += 8 + len(block)
+            file.write(struct.pack("<2i", row, len(block)) + block)
+        file.seek(len(header))
+        file.write(struct.pack(f"<{count}Q", *table))
 
 
 def _packed(samples: bytes) -> bytes:
