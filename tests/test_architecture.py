@@ -14,7 +14,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 
-BASE = {"errors", "atomic_file", "whole_files"}
+BASE = {"errors", "atomic_file", "progress", "whole_files"}
 """Files under all rooms, of Python's own modules alone."""
 
 MAY_IMPORT = {

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from ..atomic_file import replacing
+from ..progress import run
 from ..whole_files import write_json
 from .file_names import file_names
 from .plan import Prepared, prepared_files
@@ -133,8 +134,7 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
     targets = {**kept, **{blend_file.material(name): found for name, found in given.items()}}
     light, results = spectral.make_spectral(world, targets, settings)
     if settings.occlusion == BAKED:
-        for _ in baking.bake(world, settings):
-            pass
+        run(baking.bake(world, settings))
         light, results = spectral.update(world, settings, targets)
     elsewhere = [line for image in bpy.data.images if (line := _carry(image, study.out / FOLDER))]
     path = study.out / wanted.blend

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import sys
-from collections.abc import Generator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
 from .arguments import add_matrix_options, basis_name
+from .progress_bar import run_with_bar
 
 
 def add(commands: Any) -> None:
@@ -99,21 +98,6 @@ def _assignment(text: str) -> tuple[str, str]:
     if not (material and equals and reflectance):
         raise argparse.ArgumentTypeError(f"'{text}' is not NAME=VALUE")
     return material, reflectance
-
-
-def _bake(work: Generator[Any, None, list[str]]) -> list[str]:
-    """Run a bake with a progress bar; return what to say of it."""
-    from tqdm import tqdm
-
-    form = "{desc:<40.40} {bar:20} {elapsed}"
-    with tqdm(total=1.0, file=sys.stderr, bar_format=form, leave=False) as bar:
-        while True:
-            try:
-                progress = next(work)
-            except StopIteration as end:
-                return end.value
-            bar.set_description_str(f"bake {progress.line}", refresh=False)
-            bar.update(progress.done - bar.n)
 
 
 def _settings(options: argparse.Namespace) -> Any:
@@ -245,7 +229,7 @@ def run(options: argparse.Namespace) -> None:
     glazings = {blend_file.material(n): (*pane, 1) for n, pane in spectra.glazings.items()}
     light, results = spectral.make_spectral(world, targets, settings, metals, measured, glazings)
     if settings.occlusion == BAKED:
-        said += _bake(baking.bake(world, settings))
+        said += run_with_bar(baking.bake(world, settings), "bake")
         light, results = spectral.update(world, settings, targets)
     blend_file.save(options.out)
     for result in results:

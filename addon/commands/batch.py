@@ -52,7 +52,7 @@ def _count(text: str) -> int:
 
 def _plan(options: argparse.Namespace) -> None:
     """Write a study's plan, and say how much it is."""
-    from ..batch import plan, prepare, progress, scenes, study
+    from ..batch import plan, prepare, run_status, scenes, study
     from ..batch.lock import locked
 
     read = study.read_study(options.study)
@@ -62,7 +62,7 @@ def _plan(options: argparse.Namespace) -> None:
         print(path)
         print(_contents(path))
         if options.prepare:
-            with progress.Progress(read.out) as shown:
+            with run_status.RunStatus(read.out) as shown:
                 made = prepare.prepare(read, looked, program, shown.preparing)
             print(_prepared(path, made))
 
@@ -88,14 +88,14 @@ def _prepared(path: Path, made: Any) -> str:
 
 def _run(options: argparse.Namespace) -> None:
     """Plan, prepare and render; fail where a picture did."""
-    from ..batch import progress, report, run
+    from ..batch import report, run, run_status
     from ..batch.lock import locked
     from ..batch.worker import blender_command
 
     if options.scheduler is None:
         blender_command(options.blender)
     out, path, outcome, state = _folder(options.study), None, None, "failed"
-    with locked(out), progress.Progress(out) as shown, _ended_gently():
+    with locked(out), run_status.RunStatus(out) as shown, _ended_gently():
         try:
             path = _ready(options, shown)
             if options.dry_run:

@@ -8,6 +8,7 @@ import sys
 from typing import Any
 
 from ..errors import InputError
+from .progress_bar import run_with_bar
 from .under_sky import add_sky_options, choose
 
 TOLD = 20
@@ -38,7 +39,10 @@ def run(options: argparse.Namespace) -> None:
     from ..transfer.prediction import rgb_albedo
     from ..transfer.swatches import under_sky
 
-    whole = _index(options.folders) if options.folders else library.checkers()
+    if options.folders:
+        whole = run_with_bar(library.index(options.folders), "read", delay=0.5)
+    else:
+        whole = library.checkers()
     wanted = set(whole.search(options.search))
     found = whole.only([k for k in whole.order(options.sort) if k in wanted])
     sky = None
@@ -71,24 +75,6 @@ def run(options: argparse.Namespace) -> None:
     unused = f", {found.unused} cannot be used" if found.unused else ""
     unused += " (--json tells all)" if len(found.problems) > TOLD else ""
     print(f"{len(found)} of {len(whole)} spectra{unused}{others}", file=sys.stderr)
-
-
-def _index(folders: list[str]) -> Any:
-    """Read folders with a progress bar."""
-    from tqdm import tqdm
-
-    from ..spectra import library
-
-    work = library.index(folders)
-    form = "{desc:<50.50} {bar:20} {elapsed}"
-    with tqdm(total=1.0, file=sys.stderr, bar_format=form, leave=False, delay=0.5) as bar:
-        while True:
-            try:
-                progress = next(work)
-            except StopIteration as end:
-                return end.value
-            bar.set_description_str(f"read {progress.line}", refresh=False)
-            bar.update(progress.done - bar.n)
 
 
 def _records(found: Any, d65: Any, under: Any) -> list[dict[str, Any]]:

@@ -7,9 +7,9 @@ from typing import Any
 
 import bpy
 
+from ..progress import Progress, mapped
 from . import scene_lighting
-from .bake import interreflection
-from .bake import scene_bake as sky_bake
+from .bake import interreflection, scene_bake
 from .spectral import analysed
 from .world.settings import Settings
 
@@ -19,24 +19,17 @@ def bake(
     settings: Settings,
     objects: Collection[bpy.types.Object] | None = None,
     **options: Any,
-) -> Generator[sky_bake.Progress, None, list[str]]:
+) -> Generator[Progress, None, list[str]]:
     """Bake what objects see of the sky, and bounces where wanted, yielding how far it is.
 
     Of the active scene, None for all its managed objects; ``options``: those of `scene_bake.bake`.
     Returns lines to say; `spectral.update` then lights it.
     """
-    lines = []
-    work = sky_bake.bake(objects, **options)
     share = 0.7 if settings.bounce else 1.0
-    while True:
-        try:
-            progress = next(work)
-        except StopIteration as end:
-            lines += end.value
-            break
-        yield sky_bake.Progress(share * progress.done, progress.line)
+    work = scene_bake.bake(objects, **options)
+    lines = yield from mapped(work, lambda at: Progress(share * at.done, at.line))
     if settings.bounce:
         sun = scene_lighting.towards_sun(world, analysed(world, settings), settings)
         for done in interreflection.bounce(sun):
-            yield sky_bake.Progress(share + (1.0 - share) * done, "one bounce")
+            yield Progress(share + (1.0 - share) * done, "one bounce")
     return lines

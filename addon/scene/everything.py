@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import bpy
 
+from ..progress import Progress
 from . import spectral
-from .bake.scene_bake import Progress
 from .materials import assignment, base_color, eligibility, glass_and_metal, spectral_material
 from .world.settings import Settings
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..progress import Progress, run
 from ..sky.light import SkyLight
 from ..spectra.reflectance import reflectance_hash
 from ..spectra.working_spaces import rec709_to_working
@@ -23,7 +24,6 @@ from ..transfer.matrices import Transfer
 from ..transfer.white import AUTO, estimate_white, settle_white
 from . import scene_lighting
 from .bake import interreflection, sky_exposure
-from .bake.scene_bake import Progress, run
 from .lights import lighting
 from .materials import (
     base_color,

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..progress import Progress, run
 from . import cache, formats
 from .illuminants import D65
 from .reflectance import read_all, reflectance_hash
@@ -116,14 +117,6 @@ class Library:
         return np.lexsort((hue, neutral))
 
 
-@dataclass(frozen=True)
-class Progress:
-    """How far an index is, 0 to 1, and in which file."""
-
-    done: float
-    line: str
-
-
 def checkers() -> Library:
     """Return the checkers that colour-science brings."""
     names = formats.checkers.CHECKERS
@@ -153,12 +146,7 @@ def index(folders: Iterable[str | Path]) -> Generator[Progress, None, Library]:
 
 def whole(folders: Iterable[str | Path]) -> Library:
     """Return what `index` returns, at one go."""
-    work = index(folders)
-    while True:
-        try:
-            next(work)
-        except StopIteration as end:
-            return end.value
+    return run(index(folders))
 
 
 class _Folder:

@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 
 from ..errors import InputError
+from ..progress import Progress, run
 from . import staleness_handlers, wheels
 
 
@@ -66,8 +67,8 @@ class Long(Thin):
     doing = ""
     """What the status bar says is done."""
 
-    def work(self, context: bpy.types.Context) -> Generator[Any, None, Any]:
-        """Yield `scene.bake.Progress`, and return what `finish` reports on."""
+    def work(self, context: bpy.types.Context) -> Generator[Progress, None, Any]:
+        """Yield `progress.Progress`, and return what `finish` reports on."""
         raise NotImplementedError
 
     def finish(self, context: bpy.types.Context, done: Any) -> Iterable[tuple[str, str]]:
@@ -76,9 +77,7 @@ class Long(Thin):
 
     def run(self, context: bpy.types.Context) -> Iterable[tuple[str, str]]:
         """Work to the end."""
-        from ..scene.bake import scene_bake
-
-        return self.finish(context, scene_bake.run(self.work(context)))
+        return self.finish(context, run(self.work(context)))
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Start, and work on between events until done."""

@@ -12,7 +12,7 @@ import pytest
 from spectral_skylight.addon import atomic_file
 from spectral_skylight.addon.batch import plan, run
 from spectral_skylight.addon.batch.lock import locked
-from spectral_skylight.addon.batch.progress import STATUS, Progress
+from spectral_skylight.addon.batch.run_status import STATUS, RunStatus
 from spectral_skylight.addon.batch.scenes import SceneFile
 from spectral_skylight.addon.batch.study import read_study
 from spectral_skylight.addon.errors import InputError
@@ -105,7 +105,7 @@ def test_a_clock_that_jumps_changes_nothing(path, monkeypatch, capsys):
         return RENDERED
 
     lefts = []
-    with Progress(path.parent) as shown:
+    with RunStatus(path.parent) as shown:
 
         def tell(outcome, left):
             lefts.append(left)

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 
+from spectral_skylight.addon import progress
 from spectral_skylight.addon.scene.bake import scene_bake, storage
 from spectral_skylight.node_groups import sky_bake
 from spectral_skylight.node_groups import tree as groups
@@ -28,7 +29,7 @@ def test_a_bake_is_gone_without_a_trace_and_never_touches_the_mesh():
     obj = box("Wall", (0, 0, 1), (2, 2, 2), made_of)
     ground(5, made_of)
     before = as_bytes(obj.data), as_json()
-    scene_bake.run(scene_bake.bake(rays=64))
+    progress.run(scene_bake.bake(rays=64))
     assert as_bytes(obj.data) == before[0]
     assert len(scene_bake.baked()) == 2
     assert scene_bake.remove() == 2
@@ -48,13 +49,13 @@ def test_stale_after_a_move_and_only_what_it_concerns():
     near = [box(f"Near {n}", (4 * n, 0, 1), (1, 1, 2), made_of) for n in range(2)]
     far = box("Far", (3000, 0, 1), (1, 1, 2), made_of)
     assert set(scene_bake.stale()) == {*near, far}
-    scene_bake.run(scene_bake.bake(rays=64))
+    progress.run(scene_bake.bake(rays=64))
     assert scene_bake.stale() == []
     near[0].location.y += 0.01
     assert set(scene_bake.stale()) == set(near)
     # Only what changed is baked again, and then nothing is.
-    assert scene_bake.run(scene_bake.bake(rays=64)) == ["2 object(s) baked"]
-    assert scene_bake.run(scene_bake.bake(rays=64)) == ["0 object(s) baked"]
+    assert progress.run(scene_bake.bake(rays=64)) == ["2 object(s) baked"]
+    assert progress.run(scene_bake.bake(rays=64)) == ["0 object(s) baked"]
     # What is hidden hides no sky.
     near[0].hide_render = True
     assert scene_bake.stale() == [near[1]]
@@ -78,7 +79,7 @@ def test_cancelling_leaves_the_object_at_work_as_without_a_bake():
 def test_an_edited_mesh_falls_back_to_the_open_sky_where_it_was_edited():
     faces.empty_scene()
     obj = box("Wall", (0, 0, 1), (2, 2, 2), material())
-    scene_bake.run(scene_bake.bake(rays=64))
+    progress.run(scene_bake.bake(rays=64))
     assert np.all(flags(obj))
     obj.data.vertices[7].co.z += 0.1
     obj.data.update()
@@ -95,7 +96,7 @@ def test_an_edited_mesh_falls_back_to_the_open_sky_where_it_was_edited():
 def test_a_bake_survives_saving_purging_and_loading(tmp_path):
     faces.empty_scene()
     obj = box("Wall", (0, 0, 1), (2, 2, 2), material())
-    scene_bake.run(scene_bake.bake(rays=64))
+    progress.run(scene_bake.bake(rays=64))
     values, _ = sky_share(obj)
     bpy.ops.outliner.orphans_purge(do_recursive=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "baked.blend"))
@@ -111,7 +112,7 @@ def test_a_bake_survives_saving_purging_and_loading(tmp_path):
     bpy.context.scene.collection.objects.link(twin)
     bpy.context.view_layer.update()
     assert set(scene_bake.stale()) == {obj, twin}
-    scene_bake.run(scene_bake.bake([twin], rays=64))
+    progress.run(scene_bake.bake([twin], rays=64))
     assert storage.bake_of(twin) != storage.bake_of(obj)
     assert scene_bake.remove([twin]) == 1
     assert np.all(flags(obj))

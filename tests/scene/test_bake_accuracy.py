@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
+from spectral_skylight.addon import progress
 from spectral_skylight.addon.scene.bake import scene_bake, storage
 from spectral_skylight.addon.sky.harmonics import KEYS, fit_sky, rotate
 from spectral_skylight.node_groups import sky_visibility
@@ -130,7 +131,7 @@ def test_against_brute_force(boxes, size, keep, capsys):
     faces.empty_scene()
     made_of = material()
     objects = [ground(size, made_of), *(box(f"Wall {n}", *b, made_of) for n, b in enumerate(boxes))]
-    assert scene_bake.run(scene_bake.bake()) == [f"{len(objects)} object(s) baked"]
+    assert progress.run(scene_bake.bake()) == [f"{len(objects)} object(s) baked"]
     tree = sky_visibility.ensure()
     table, seen = [], None
     for elevation, azimuth, turn in ((40, 0.5, 0.0), (15, 2.0, 0.0), (25, -1.0, 0.8)):

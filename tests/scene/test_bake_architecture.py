@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
+from spectral_skylight.addon import progress
 from spectral_skylight.addon.scene import spectral
 from spectral_skylight.addon.scene.bake import instance_proxies, scene_bake, storage
 from spectral_skylight.addon.scene.output import render as renders
@@ -70,7 +71,7 @@ def test_ordinary_architecture():
     collapsed = shown("Collapsed", [(70, 0, 3)] * 3, [(0, 1, 2)], made_of)
     bpy.context.view_layer.update()
     before = {obj.name: as_bytes(obj.data) for obj in bpy.data.objects if obj.type == "MESH"}
-    lines = scene_bake.run(scene_bake.bake(rays=256))
+    lines = progress.run(scene_bake.bake(rays=256))
     assert lines[-1].endswith("object(s) baked")
     assert any('"Nothing"' in line for line in lines)
     assert any('"Flattened"' in line for line in lines)
@@ -167,7 +168,7 @@ def test_instances_of_collections_each_see_their_own_sky():
     meshes = {mesh.name: mesh for mesh in bpy.data.meshes}
     bytes_before = {name: as_bytes(mesh) for name, mesh in meshes.items()}
     assert {obj.name for obj in scene_bake.targets()} == {"Free", "Roofed", "Roof"}
-    assert scene_bake.run(scene_bake.bake(rays=64)) == ["5 object(s) baked"]
+    assert progress.run(scene_bake.bake(rays=64)) == ["5 object(s) baked"]
     there = {root.name: instance_proxies.stand_ins(root) for root in (free, roofed)}
     for each in (*there["Free"], *there["Roofed"]):
         assert np.all(flags(each)), each.name
@@ -180,7 +181,7 @@ def test_instances_of_collections_each_see_their_own_sky():
     # The picture shows the same: other instances stay, the cutter hidden, the lamp lit.
     scene_bake.remove()
     assert shown_places() == picture
-    scene_bake.run(scene_bake.bake(rays=64))
+    progress.run(scene_bake.bake(rays=64))
     assert shown_places() == picture
     lamps = [i for i in bpy.context.evaluated_depsgraph_get().object_instances
              if i.object.type == "LIGHT"]  # fmt: skip
@@ -203,7 +204,7 @@ def test_instances_of_collections_each_see_their_own_sky():
     estate.objects.link(more)
     bpy.context.view_layer.update()
     assert {free, roofed} <= set(scene_bake.stale())
-    scene_bake.run(scene_bake.bake([free], rays=64))
+    progress.run(scene_bake.bake([free], rays=64))
     assert len(instance_proxies.stand_ins(free)) == 3
     estate.objects.unlink(more)
     bpy.data.objects.remove(more)
@@ -226,7 +227,7 @@ def test_instances_by_geometry_nodes_bring_their_materials():
     rows.data.materials.clear()
     rows.modifiers.new("Instances", "NODES").node_group = instancing(made_of)
     shown("Roof", [(8, -9, 4), (50, -9, 4), (50, 9, 4), (8, 9, 4)], [(3, 2, 1, 0)], made_of)
-    assert scene_bake.run(scene_bake.bake(rays=64)) == ["2 object(s) baked"]
+    assert progress.run(scene_bake.bake(rays=64)) == ["2 object(s) baked"]
     assert np.all(flags(rows)) and scene_bake.stale() == []
     share, normals = sky_share(rows)
     mesh = rows.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
@@ -247,7 +248,7 @@ def test_glass_and_what_casts_no_shadow_let_the_sky_through():
     cover = shown("Cover", [(-9, -9, 1), (9, -9, 1), (9, 9, 1), (-9, 9, 1)], [(0, 1, 2, 3)], glass)
 
     def share():
-        scene_bake.run(scene_bake.bake([floor], rays=64, changed_only=False))
+        progress.run(scene_bake.bake([floor], rays=64, changed_only=False))
         return sky_share(floor)[0].mean()
 
     assert share() == pytest.approx(1.0, abs=0.01)
@@ -265,7 +266,7 @@ def test_the_foot_of_a_wall_casts_no_shadow_inside_out():
     made_of = material()
     floor = ground(20, made_of)
     box("House", (0.13, 0.07, 1), (4, 4, 2), made_of)
-    scene_bake.run(scene_bake.bake([floor], rays=256))
+    progress.run(scene_bake.bake([floor], rays=256))
     mesh = floor.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     fine = storage.read(mesh)
     number, channel = sky_visibility.PLACES[0, 0]
@@ -298,7 +299,7 @@ def test_a_single_wall_has_light_on_its_back(tmp_path):
     scene.render.resolution_x = scene.render.resolution_y = 8
     settings = spectral.Settings(ground="none", occlusion="baked", tolerance=None)
     spectral.make_spectral(world, {paint: ("half", np.full(81, 0.5))}, settings)
-    assert scene_bake.run(scene_bake.bake(rays=1024))[-1] == "2 object(s) baked"
+    assert progress.run(scene_bake.bake(rays=1024))[-1] == "2 object(s) baked"
     spectral.update(world, settings)
     seen = []
     for x in (0.0, 60.0):

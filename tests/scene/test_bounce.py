@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
+from spectral_skylight.addon import progress
 from spectral_skylight.addon.scene.bake import interreflection, scene_bake, storage
 from spectral_skylight.addon.scene.blend_data import nodes
 from spectral_skylight.node_groups import modifiers, sky_visibility
@@ -33,13 +34,10 @@ def corner():
     floor = shown("Floor", [(0, -6, 0), (6, -6, 0), (6, 6, 0), (0, 6, 0)])
     wall = shown("Wall", [(0, -WALL, 0), (0, WALL, 0), (0, WALL, WALL), (0, -WALL, WALL)])
     shown("Post", [(6, 0.5, 0), (6, -0.5, 0), (6, -0.5, 1), (6, 0.5, 1)])
-    scene_bake.run(scene_bake.bake(rays=1024))
-    work, sun = interreflection.bounce(sun=np.array([1.0, 0.0, 1.0]), rays=1024), []
-    while True:
-        try:
-            sun.append(next(work))
-        except StopIteration as end:
-            return floor, wall, sun, end.value
+    progress.run(scene_bake.bake(rays=1024))
+    work, steps = interreflection.bounce(sun=np.array([1.0, 0.0, 1.0]), rays=1024), []
+    neighbours = progress.run(work, steps.append)
+    return floor, wall, steps, neighbours
 
 
 def stored(obj, place):
@@ -78,13 +76,13 @@ def test_the_floor_gets_the_walls_light(corner):
 
 
 def test_neighbours_by_the_light_they_send(corner):
-    *_, progress, found = corner
+    *_, steps, found = corner
     assert found["Floor"].first == "Wall"
     assert found["Floor"].others == {"Post": pytest.approx(1.0)}
     assert found["Wall"].first == "Floor"
     assert interreflection.neighbours() == found
-    assert np.all(np.diff(progress) > -1e-9)
-    assert progress[-1] <= 1.0
+    assert np.all(np.diff(steps) > -1e-9)
+    assert steps[-1] <= 1.0
 
 
 def test_the_object_shows_the_bounce_and_its_flag(corner):

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene.bake.scene_bake import Progress
+from spectral_skylight.addon.progress import Progress
 from spectral_skylight.addon.ui import operator
 
 

@@ -8,14 +8,14 @@ space: a moved object is stale, as is one whose surroundings have changed.
 from __future__ import annotations
 
 from collections.abc import Collection, Generator
-from dataclasses import dataclass
-from typing import TypeVar
+from functools import partial
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from ....node_groups import sky_visibility as names
+from ...progress import Progress, mapped
 from ...sky.harmonics import KEYS, HarmonicFit, rotate
 from . import instance_proxies, object_bake, storage, surroundings, visibility
 from . import raycast as casting
@@ -23,17 +23,6 @@ from . import raycast as casting
 SHAPES = {"MESH", "CURVE", "SURFACE", "FONT"}
 """Kinds of objects that can have the modifier. For instances of collections objects of ours stand
 in (`instances`); metaballs, and what faces, vertices and particles instance, keep the open sky."""
-
-
-Done = TypeVar("Done")
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far a bake is: `done` from 0 to 1, and the object at work."""
-
-    done: float
-    line: str
 
 
 def targets(selected: bool = False) -> list[bpy.types.Object]:
@@ -107,12 +96,8 @@ def bake(
             name, whole = f"{obj.name} ({number + 1} of {len(chosen)})", False
             work = object_bake.bake_object(obj, around, rays, tolerance, slow)
             try:
-                while True:
-                    try:
-                        yield Progress((number + next(work)) / len(chosen), name)
-                    except StopIteration as end:
-                        lines += end.value
-                        break
+                at = partial(_progress, number, len(chosen), name)
+                lines += yield from mapped(work, at)
                 whole = True
             finally:
                 if not whole:
@@ -124,6 +109,10 @@ def bake(
     finally:
         _gather()
     return [*lines, *_left_open(), f"{done} object(s) baked"]
+
+
+def _progress(number: int, count: int, name: str, done: float) -> Progress:
+    return Progress((number + done) / count, name)
 
 
 def _real(
@@ -165,15 +154,6 @@ def _left_open() -> list[str]:
         elif by.type == "META":
             lines[by.name] = "a metaball under the open sky: convert it to a mesh"
     return [f'object "{name}" shows {line}' for name, line in lines.items()]
-
-
-def run(work: Generator[Progress, None, Done]) -> Done:
-    """Run a generator that yields its progress to its end and return what it returns."""
-    while True:
-        try:
-            next(work)
-        except StopIteration as end:
-            return end.value
 
 
 def remove(objects: Collection[bpy.types.Object] | None = None) -> int:

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...progress import Progress
 from ...spectra.working_spaces import rec709_to_working, srgb
 from ...whole_files import write_text, writing
-from ..bake.scene_bake import Progress
 from ..blend_data import nodes, working_space
 
 SIZE = 32

@@ -18,7 +18,7 @@ PAUSE = 0.5
 """[s] between two looks at the file, or writings of it."""
 
 
-class Progress:
+class RunStatus:
     """A bar on stderr, and `STATUS` beside the plan. A context manager."""
 
     def __init__(self, out: Path) -> None:
@@ -28,7 +28,7 @@ class Progress:
         self._bar = tqdm(total=0, bar_format=form, desc="batch", file=sys.stderr)
         self._path, self._written = out / STATUS, -PAUSE
 
-    def __enter__(self) -> Progress:
+    def __enter__(self) -> RunStatus:
         return self
 
     def __exit__(self, *_: Any) -> None:
