@@ -108,12 +108,13 @@ def _others() -> list[str]:
 
 
 def program_hash() -> str:
-    """Return a hash of our code and this Blender's build, which make prepared files."""
+    """Return a hash of our code and tables and this Blender's build, which make prepared files."""
     import bpy
 
     digest = hashlib.sha256(bpy.app.version_string.encode() + bpy.app.build_hash)
     root = Path(__file__).parents[2]
     for room in ("addon/spectra", "addon/sky", "addon/transfer", "addon/scene", "node_groups"):
-        for source in sorted((root / room).rglob("*.py")):
-            digest.update(source.read_bytes())
+        for source in sorted((root / room).rglob("*")):
+            if source.suffix in (".py", ".npz"):
+                digest.update(source.read_bytes())
     return digest.hexdigest()[:24]

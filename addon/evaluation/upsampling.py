@@ -13,6 +13,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ..spectra.datasets import BASIS_REFLECTANCES, dataset
 from ..spectra.grid import WAVELENGTHS, resample
 from ..spectra.illuminants import D65
 from ..spectra.sensitivities import cmfs, observer
@@ -29,9 +30,8 @@ def mallett_yuksel() -> NDArray[np.float64]:
 
     Mallett and Yuksel 2019, DOI 10.2312/sr.20191216, from colour-science.
     """
-    from colour.recovery import MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019 as functions
-
-    spectra = resample(functions.wavelengths, functions.values).T * _neutral()[:, None]
+    table = dataset(BASIS_REFLECTANCES, "Mallett 2019")
+    spectra = resample(table.wavelengths, table.values).T * _neutral()[:, None]
     # Off the paper's own grid red, green and blue come out some thousandths mixed.
     return spectra @ np.linalg.inv(observer() @ spectra)
 

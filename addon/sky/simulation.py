@@ -168,6 +168,7 @@ def simulate(
         "orders": orders,
         "quality": asdict(quality),
         "seed": seed,
+        "sunlight": extraterrestrial_sunlight(),
     }
     path = cache.place("sky", content, Path(__file__).parent) if cached else None
     arrays = cache.load(path)

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 from .ensemble import shipped
-from .grid import WAVELENGTHS, resample
+from .grid import WAVELENGTHS
+from .illuminants import daylight_components
 from .light import read_light
 from .sensitivities import observer
 from .sunlight import extraterrestrial_sunlight
@@ -35,10 +36,7 @@ def daylight() -> NDArray[np.float64]:
 
     Judd, MacAdam and Wyszecki 1964 (DOI 10.1364/JOSA.54.001031), from colour-science.
     """
-    from colour.colorimetry import SDS_BASIS_FUNCTIONS_CIE_ILLUMINANT_D_SERIES
-
-    functions = [SDS_BASIS_FUNCTIONS_CIE_ILLUMINANT_D_SERIES[name] for name in ("S0", "S1", "S2")]
-    return np.stack([resample(function.wavelengths, function.values) for function in functions])
+    return daylight_components()
 
 
 def measured(path: str | Path) -> NDArray[np.float64]:

@@ -35,7 +35,8 @@ def folder() -> Path | None:
 
 
 def place(kind: str, content: dict[str, Any], code: Path) -> Path | None:
-    """Return the file for a result: ``content`` is all that decides it, and a folder of ``code``.
+    """Return the file for a result: ``content`` is all that decides it, and a folder of ``code``
+    and of its tables.
 
     None where there is to be no cache.
     """
@@ -43,7 +44,7 @@ def place(kind: str, content: dict[str, Any], code: Path) -> Path | None:
     if root is None:
         return None
     digest = hashlib.sha256(json.dumps(content, sort_keys=True, default=_plain).encode())
-    for source in sorted(code.rglob("*.py")):
+    for source in sorted(path for path in code.rglob("*") if path.suffix in (".py", ".npz")):
         digest.update(source.read_bytes())
     return root / f"{kind}-{digest.hexdigest()[:32]}.npz"
 

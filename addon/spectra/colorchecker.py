@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .datasets import CHECKERS, dataset
 from .grid import resample
 
 
@@ -13,8 +14,5 @@ def colorchecker() -> tuple[tuple[str, ...], NDArray[np.float64]]:
 
     The BabelColor average of 30 charts, from colour-science.
     """
-    from colour.characterisation import SDS_COLOURCHECKERS
-
-    patches = SDS_COLOURCHECKERS["BabelColor Average"]
-    values = np.stack([resample(sd.wavelengths, sd.values) for sd in patches.values()])
-    return tuple(patches), np.clip(values, 0.0, 1.0)
+    wavelengths, values, patches = dataset(CHECKERS, "BabelColor Average")
+    return patches, np.clip(resample(wavelengths, values), 0.0, 1.0)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .datasets import CAMERAS, CMFS, dataset, names
 from .grid import WAVELENGTHS, WEIGHTS, resample
 from .table import NEEDED, read_table
 from .working_spaces import DEFAULT_SPACE, XYZ_to_working
@@ -20,9 +21,7 @@ def cmfs() -> NDArray[np.float64]:
 
     CIE 018:2019 (DOI 10.25039/TR.018.2019), from colour-science.
     """
-    from colour.colorimetry import MSDS_CMFS
-
-    table = MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
+    table = dataset(CMFS, "CIE 1931 2 Degree Standard Observer")
     # Tabulated at every nanometre: the grid's nodes are rows of the table.
     rows = np.searchsorted(table.wavelengths, WAVELENGTHS)
     functions = np.array(table.values[rows].T)
@@ -56,14 +55,12 @@ def camera(name: str) -> NDArray[np.float64]:
         Neither a known camera nor a file; a file that `read_table` refuses, that has not the
         columns R, G and B (or exactly three), holds NaN or does not cover 430-650 nm.
     """
-    from colour.characterisation import MSDS_CAMERA_SENSITIVITIES as cameras
-
+    cameras = names(CAMERAS)
     known = {"".join(key.split()).casefold(): key for key in cameras}
     wanted = "".join(name.split()).casefold()
     matches = [key for short, key in known.items() if short.startswith(wanted)] if wanted else []
     if len(matches) == 1:
-        table = cameras[matches[0]]
-        wavelengths, values = table.wavelengths, table.values
+        wavelengths, values, _ = dataset(CAMERAS, matches[0])
     elif Path(name).exists():
         wavelengths, values = _read_camera(Path(name))
     else:

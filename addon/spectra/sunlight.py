@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from .datasets import SUNLIGHT, dataset
 from .grid import band_average
 
 
@@ -17,9 +18,7 @@ def extraterrestrial_sunlight() -> NDArray[np.float64]:
     [W m^-2 nm^-1] at one astronomical unit. ASTM G173-03, column *extraterrestrial*
     (Gueymard 2004, DOI 10.1016/j.solener.2003.08.039), from colour-science.
     """
-    # The table lives among colour-science's plotting data, which needs no matplotlib to be read.
-    from colour.plotting.datasets.astm_g_173 import SD_ASTMG173_ETR
-
-    sunlight = band_average(SD_ASTMG173_ETR.wavelengths, SD_ASTMG173_ETR.values)
+    table = dataset(SUNLIGHT, "ASTM G173 ETR")
+    sunlight = band_average(table.wavelengths, table.values[:, 0])
     sunlight.flags.writeable = False
     return sunlight

@@ -9,14 +9,25 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 
+D65_WHITE = 0.3127, 0.3290
+"""x and y of the white that is (1, 1, 1) in Blender, whatever the working space."""
+
 WORKING_SPACES = {
-    "Linear Rec.709": "ITU-R BT.709",
-    "Linear Rec.2020": "ITU-R BT.2020",
-    "ACEScg": "ACEScg",
+    "Linear Rec.709": (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, *D65_WHITE),
+    "Linear Rec.2020": (0.708, 0.292, 0.170, 0.797, 0.131, 0.046, *D65_WHITE),
+    "ACEScg": (0.713, 0.293, 0.165, 0.830, 0.128, 0.044, 0.32168, 0.33767),
 }
-"""Blender's name of each working space and colour-science's."""
+"""Blender's name of each working space, and x and y of its red, green, blue and white.
+
+ITU-R BT.709-6, ITU-R BT.2020-2, and AP1 of ACES (S-2014-004).
+"""
 
 DEFAULT_SPACE = "Linear Rec.709"
+
+_BRADFORD = np.array(
+    [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
+)
+"""From XYZ to the responses that the Bradford transform scales (Lam 1985)."""
 
 
 def check_space(space: str) -> str:
@@ -35,23 +46,9 @@ def XYZ_to_working(space: str) -> NDArray[np.float64]:
     leads there, as in Blender's own OpenColorIO configuration, so that Rec.709's (1, 1, 1) is
     (1, 1, 1) everywhere. Raises `InputError` for an unknown name.
     """
-    import colour
-
-    rec709 = colour.RGB_COLOURSPACES["ITU-R BT.709"]
-    target = colour.RGB_COLOURSPACES[WORKING_SPACES[check_space(space)]]
-    # From the primaries: colour-science's published matrices are rounded to four digits.
-    XYZ_to_rec709 = np.linalg.inv(
-        colour.normalised_primary_matrix(rec709.primaries, rec709.whitepoint)
-    )
-    if target is rec709:
-        return XYZ_to_rec709
-    adapt = colour.adaptation.matrix_chromatic_adaptation_VonKries(
-        colour.xy_to_XYZ(rec709.whitepoint), colour.xy_to_XYZ(target.whitepoint), "Bradford"
-    )
-    XYZ_to_target = np.linalg.inv(
-        colour.normalised_primary_matrix(target.primaries, target.whitepoint)
-    )
-    return XYZ_to_target @ adapt
+    xy = np.reshape(WORKING_SPACES[check_space(space)], (4, 2))
+    # From the primaries: the published matrices are rounded to four digits.
+    return np.linalg.inv(_to_XYZ(xy)) @ _adaptation(np.array(D65_WHITE), xy[3])
 
 
 def rec709_to_working(space: str) -> NDArray[np.float64]:
@@ -65,15 +62,29 @@ def primaries_to_rec709(chromaticities: ArrayLike) -> NDArray[np.float64]:
     ``chromaticities``: x and y of red, green, blue and white, (8,), as OpenEXR files name them.
     Whites are brought to one another by the Bradford transform: (1, 1, 1) stays.
     """
-    import colour
-
     xy = np.asarray(chromaticities, dtype=float).reshape(4, 2)
-    white = colour.RGB_COLOURSPACES["ITU-R BT.709"].whitepoint
-    adapt = colour.adaptation.matrix_chromatic_adaptation_VonKries(
-        colour.xy_to_XYZ(xy[3]), colour.xy_to_XYZ(white), "Bradford"
-    )
-    to_XYZ = colour.normalised_primary_matrix(xy[:3], xy[3])
-    return XYZ_to_working(DEFAULT_SPACE) @ adapt @ to_XYZ
+    adapt = _adaptation(xy[3], np.array(D65_WHITE))
+    return XYZ_to_working(DEFAULT_SPACE) @ adapt @ _to_XYZ(xy)
+
+
+def _to_XYZ(xy: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the matrix (3, 3) to XYZ, white's Y = 1, from a space by its chromaticities (4, 2)."""
+    primaries = _XYZ(xy[:3]).T
+    return primaries * np.linalg.solve(primaries, _XYZ(xy[3]))
+
+
+def _adaptation(xy_from: NDArray[np.float64], xy_to: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return Bradford's matrix (3, 3) that brings XYZ from one white (2,) to another."""
+    if np.array_equal(xy_from, xy_to):
+        return np.eye(3)
+    scale = (_BRADFORD @ _XYZ(xy_to)) / (_BRADFORD @ _XYZ(xy_from))
+    return np.linalg.solve(_BRADFORD, scale[:, None] * _BRADFORD)
+
+
+def _XYZ(xy: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return XYZ (..., 3), Y = 1, of chromaticities (..., 2)."""
+    x, y = np.moveaxis(xy, -1, 0)
+    return np.stack([x / y, np.ones_like(y), (1.0 - x - y) / y], axis=-1)
 
 
 def srgb(rgb: NDArray[np.float64]) -> NDArray[np.float64]:

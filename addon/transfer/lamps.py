@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from ..spectra import illuminants
 from ..spectra.ensemble import uv
-from ..spectra.grid import WAVELENGTHS, WEIGHTS, resample
+from ..spectra.grid import WAVELENGTHS, WEIGHTS
 from ..spectra.light import read_light
 from ..spectra.metamer import spectrum_with_colour
 from ..spectra.reflectance import split_assignment
@@ -171,12 +172,8 @@ def _named(lamp: str) -> NDArray[np.float64]:
             some = ", ".join(f"'{name}'" for name in light.names[:8])
             raise InputError(path, f"no column '{column or ''}'", f"name one of {some}")
         return light.values[light.names.index(column)]
-    from colour.colorimetry import SDS_ILLUMINANTS, SDS_LIGHT_SOURCES
-
-    for table in (SDS_ILLUMINANTS, SDS_LIGHT_SOURCES):
-        known = {"".join(key.split()).casefold(): key for key in table}
-        if key := known.get("".join(lamp.split()).casefold()):
-            return _bright(np.maximum(resample(table[key].wavelengths, table[key].values), 0.0))
+    if (spectrum := illuminants.named(lamp)) is not None:
+        return _bright(spectrum)
     raise InputError(
         "--lamp",
         f"'{lamp}' is no file, temperature or known lamp",
@@ -199,15 +196,9 @@ def _of_colour(rgb: NDArray, S: NDArray) -> NDArray[np.float64]:
 @cache
 def _whites() -> NDArray[np.float64]:
     """Black bodies from 1000 to 10,000 K and CIE daylights from 4000 to 25,000 K, (k, 81)."""
-    from colour import sd_CIE_illuminant_D_series
-    from colour.temperature import CCT_to_xy_CIE_D
-
     bodies = [black_body(1e6 / mired) for mired in np.linspace(100.0, 1000.0, 181)]
-    days = []
-    for kelvin in [6504.0, *(1e6 / np.linspace(40.0, 250.0, 106))]:
-        sd = sd_CIE_illuminant_D_series(CCT_to_xy_CIE_D(np.clip(kelvin, 4000.0, 25000.0)))
-        days.append(resample(sd.wavelengths, sd.values))
-    return _bright(np.array(bodies + days))
+    days = illuminants.daylight([6504.0, *(1e6 / np.linspace(40.0, 250.0, 106))])
+    return _bright(np.concatenate([bodies, days]))
 
 
 def _bright(spectra: NDArray[np.float64]) -> NDArray[np.float64]:

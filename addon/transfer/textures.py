@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..spectra.datasets import BASIS_REFLECTANCES, dataset
 from ..spectra.grid import resample
 from ..spectra.working_spaces import DEFAULT_SPACE, XYZ_to_working
 from .prediction import rgb_albedo
@@ -27,9 +28,8 @@ def basis(space: str = DEFAULT_SPACE) -> NDArray[np.float64]:
     or over 1: their matrices are right for the colour, and no more. Raises `InputError` for an
     unknown ``space``.
     """
-    from colour.recovery import MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019 as functions
-
-    reflectances = resample(functions.wavelengths, functions.values)
+    table = dataset(BASIS_REFLECTANCES, "Mallett 2019")
+    reflectances = resample(table.wavelengths, table.values)
     reflectances /= reflectances.sum(axis=0)  # printed to six digits
     # For the space, and for what the grid makes of the paper's own numbers, 1e-4.
     return np.linalg.solve(rgb_albedo(reflectances, space), reflectances)

@@ -14,13 +14,25 @@ from spectral_skylight.addon.spectra import bases, sensitivities
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS, resample
 from spectral_skylight.addon.spectra.reflectance import read_reflectances
 from spectral_skylight.addon.spectra.table import read_table
-from spectral_skylight.addon.spectra.working_spaces import WORKING_SPACES, rec709_to_working
+from spectral_skylight.addon.spectra.working_spaces import (
+    WORKING_SPACES,
+    XYZ_to_working,
+    primaries_to_rec709,
+    rec709_to_working,
+)
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.addon.transfer.prediction import predict, rgb_albedo
 
 IDENTITY = 1e-12
 """Rounding of a few hundred float64 operations on numbers of size 1."""
+
+THEIRS = {
+    "Linear Rec.709": "ITU-R BT.709",
+    "Linear Rec.2020": "ITU-R BT.2020",
+    "ACEScg": "ACEScg",
+}
+"""colour-science's name of each working space."""
 
 reflectance = arrays(float, 81, elements=st.floats(0.0, 1.0))
 
@@ -86,10 +98,32 @@ def test_white_is_one_in_every_space(space):
     # colour-science's own conversion, from primaries published to four digits
     theirs = colour.matrix_RGB_to_RGB(
         colour.RGB_COLOURSPACES["ITU-R BT.709"],
-        colour.RGB_COLOURSPACES[WORKING_SPACES[space]],
+        colour.RGB_COLOURSPACES[THEIRS[space]],
         "Bradford",
     )
     np.testing.assert_allclose(rec709_to_working(space), theirs, atol=2e-4)
+
+
+@pytest.mark.parametrize("space", WORKING_SPACES)
+def test_spaces_have_their_published_primaries_and_whites(space):
+    published = colour.RGB_COLOURSPACES[THEIRS[space]]
+    expected = [*published.primaries.ravel(), *published.whitepoint]
+    np.testing.assert_array_equal(WORKING_SPACES[space], expected)
+
+
+@pytest.mark.parametrize("space", WORKING_SPACES)
+def test_spaces_are_colour_science_s_from_the_primaries(space):
+    rec709 = colour.RGB_COLOURSPACES["ITU-R BT.709"]
+    target = colour.RGB_COLOURSPACES[THEIRS[space]]
+    adapt = colour.adaptation.matrix_chromatic_adaptation_VonKries(
+        colour.xy_to_XYZ(rec709.whitepoint), colour.xy_to_XYZ(target.whitepoint), "Bradford"
+    )
+    to_XYZ = colour.normalised_primary_matrix(target.primaries, target.whitepoint)
+    theirs = np.linalg.inv(to_XYZ) @ adapt
+    np.testing.assert_allclose(XYZ_to_working(space), theirs, atol=IDENTITY)
+    xy = [*target.primaries.ravel(), *target.whitepoint]
+    back = np.linalg.inv(rec709_to_working(space))
+    np.testing.assert_allclose(primaries_to_rec709(xy), back, atol=IDENTITY)
 
 
 def test_agrees_with_a_direct_integration_at_1_nm(checker):

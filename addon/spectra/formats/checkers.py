@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from ...errors import InputError
+from .. import datasets
+from ..datasets import dataset
 from ..table import Table
-from .spectra import table, together
+from .spectra import table
 
 PREFIX = "colour:"
 
@@ -23,15 +23,9 @@ def recognises(path: str) -> bool:
 
 def read(path: str) -> Table:
     """Return a checker's patches; `InputError` for one that is not there."""
-    from colour.characterisation import SDS_COLOURCHECKERS
-
     name = path.removeprefix(PREFIX).strip()
     if name not in CHECKERS:
         some = ", ".join(f"'{PREFIX}{checker}'" for checker in CHECKERS)
         raise InputError(path, "is no checker of colour-science", f"there are {some}")
-    patches = SDS_COLOURCHECKERS[name]
-    place = Path(path)
-    wavelengths, values = together(
-        place, [(np.array(sd.wavelengths), np.array(sd.values)) for sd in patches.values()]
-    )
-    return table(place, list(patches), wavelengths, values, unit="fraction")
+    wavelengths, values, patches = dataset(datasets.CHECKERS, name)
+    return table(Path(path), list(patches), wavelengths, values, unit="fraction")
