@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..progress import Progress, run
 from . import cache, formats
+from .cielab import XYZ_to_Lab
 from .illuminants import D65
 from .reflectance import read_all, reflectance_hash
 from .sensitivities import cmfs
@@ -75,13 +76,10 @@ class Library:
     @cached_property
     def Lab(self) -> NDArray[np.float64]:
         """CIE L*a*b* under D65, 2° observer, (m, 3)."""
-        import colour
-
         if not len(self):
             return np.empty((0, 3))
         S = cmfs() * D65()
-        white = S.sum(axis=1) / S[1].sum()
-        return colour.XYZ_to_Lab(self.values @ S.T / S[1].sum(), colour.XYZ_to_xy(white))
+        return XYZ_to_Lab(self.values @ S.T, S.sum(axis=1))
 
     @cached_property
     def hashes(self) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..spectra.cielab import XYZ_to_Lab, delta_E_2000
 from ..spectra.working_spaces import DEFAULT_SPACE, XYZ_to_working
 
 
@@ -23,27 +24,14 @@ def to_Lab(RGB: ArrayLike, white: ArrayLike, space: str = DEFAULT_SPACE) -> NDAr
     """Return CIE L*a*b* (..., 3) of working-space colours RGB (..., 3).
 
     ``white`` (..., 3) is the RGB of the perfect diffuser under the same light, Y = 100; no other
-    adaptation. CIE 015:2018 (DOI 10.25039/TR.015.2018), by colour-science.
+    adaptation.
     """
-    import colour
-
     to_XYZ = np.linalg.inv(XYZ_to_working(space)).T
-    XYZ_w = np.asarray(white) @ to_XYZ
-    return colour.XYZ_to_Lab(np.asarray(RGB) @ to_XYZ / XYZ_w[..., 1:2], colour.XYZ_to_xy(XYZ_w))
+    return XYZ_to_Lab(np.asarray(RGB) @ to_XYZ, np.asarray(white) @ to_XYZ)
 
 
 def delta_E(
     estimate: ArrayLike, true: ArrayLike, white: ArrayLike, space: str = DEFAULT_SPACE
 ) -> NDArray[np.float64]:
-    """Return CIEDE2000 between working-space colours (..., 3), white as in `to_Lab`.
-
-    Luo, Cui and Rigg 2001 (DOI 10.1002/col.1049), by colour-science.
-    """
-    import colour
-
-    white = np.broadcast_to(white, np.broadcast_shapes(np.shape(estimate), np.shape(true)))
-    return colour.delta_E(
-        to_Lab(np.broadcast_to(estimate, white.shape), white, space),
-        to_Lab(np.broadcast_to(true, white.shape), white, space),
-        method="CIE 2000",
-    )
+    """Return CIEDE2000 between working-space colours (..., 3), white as in `to_Lab`."""
+    return delta_E_2000(to_Lab(estimate, white, space), to_Lab(true, white, space))

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..sky.simulation import LOWEST_SUN
+from ..spectra.cielab import delta_E_2000
 from ..spectra.daylight_locus import LIMIT, locus_distance
 from ..spectra.ensemble import shipped
 from ..spectra.grid import WAVELENGTHS
@@ -127,7 +128,7 @@ def predict(
         for name, M in matrices.items():
             estimates[name] = np.einsum("mij,kj->kmi", M[some], lights)
         for name, estimate in estimates.items():
-            errors = _delta_E(to_Lab(estimate, white[:, None], transfer.space)[:, None], true)
+            errors = delta_E_2000(to_Lab(estimate, white[:, None], transfer.space)[:, None], true)
             case = np.percentile(errors, 95, axis=0)
             mean.setdefault(name, []).append(errors.mean(axis=(0, 1)))
             bound.setdefault(name, []).append(np.quantile(case, _COVERED, axis=0))
@@ -189,9 +190,3 @@ def _strange() -> NDArray[np.float64]:
     sizes, shapes = np.linalg.eigh(np.exp(-0.5 * distance**2))
     shapes *= np.sqrt(np.maximum(sizes, 0.0))
     return np.random.default_rng(0).standard_normal((_DRAWS, len(sizes))) @ shapes.T
-
-
-def _delta_E(Lab: NDArray[np.float64], true: NDArray[np.float64]) -> NDArray[np.float64]:
-    import colour
-
-    return colour.delta_E(np.broadcast_to(Lab, true.shape), true, method="CIE 2000")
