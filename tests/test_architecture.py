@@ -36,11 +36,11 @@ MAY_IMPORT = {
 
 MODULES_OF = {
     **{name: set() for name in BASE},
-    "spectra": {"numpy", "colour", "scipy"},
-    "sky": {"numpy", "OpenEXR", "pvlib", "scipy", "tqdm"},
-    "transfer": {"numpy", "colour"},
+    "spectra": {"numpy"},
+    "sky": {"numpy", "OpenEXR", "pvlib", "tqdm"},
+    "transfer": {"numpy"},
     "evaluation": {"numpy", "colour", "matplotlib", "PIL", "scipy", "tqdm"},
-    "pictures": {"numpy", "scipy"},
+    "pictures": {"numpy"},
     "node_groups": {"bpy"},
     "scene": {"bpy", "bpy_extras", "embreex", "mathutils", "numpy", "atomic_file", "image_file"},
     "ui": {"bpy", "bpy_extras"},
@@ -53,6 +53,9 @@ MODULES_OF = {
 
 A batch's script finds copies of our own `atomic_file` and `image_file` beside its own.
 """
+
+LABORATORY = {"colour", "scipy", "matplotlib", "PIL"}
+"""What only `evaluation` may need: slow to import, and not there in Blender."""
 
 WHEELS = {"colour", "scipy", "OpenEXR", "embreex"}
 """What only the add-on's zip brings; imported when first needed, never when a file is imported."""
@@ -141,6 +144,10 @@ def test_rooms_use_only_their_modules(name):
         if found.module.split(".")[0] not in allowed
     ]
     assert wrong == []
+
+
+def test_only_the_laboratory_needs_more_than_blender_has():
+    assert [name for name, modules in MODULES_OF.items() if modules & LABORATORY] == ["evaluation"]
 
 
 def test_wheels_are_imported_when_first_needed():

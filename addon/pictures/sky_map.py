@@ -40,8 +40,6 @@ def marked(found: Outside, sky: ArrayLike) -> NDArray[np.uint8]:
     ``sky``: the panorama, (rows, columns, 3). Skylight is shown as it is, ground grey, foreign
     light magenta, both as bright as they are, and the sun's place yellow, larger than it is.
     """
-    from scipy.ndimage import binary_dilation
-
     rgb = blocks(sky)
     luminance = np.maximum(rgb @ LUMINANCE, 0.0)
     middle = np.median(luminance[luminance > 0.0]) if luminance.any() else 1.0
@@ -52,8 +50,18 @@ def marked(found: Outside, sky: ArrayLike) -> NDArray[np.uint8]:
     for kind in (GROUND, FOREIGN):
         here = found.labels == kind
         shown[here] = np.multiply.outer(brightness[here], MARKS[kind])
-    shown[binary_dilation(found.labels == SUN, iterations=2)] = MARKS[SUN]
+    shown[_grown(_grown(found.labels == SUN))] = MARKS[SUN]
     return np.round(shown * 255.0).astype(np.uint8)
+
+
+def _grown(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return a mask (h, w) with the pixels beside, above and under those that are set."""
+    grown = mask.copy()
+    grown[1:] |= mask[:-1]
+    grown[:-1] |= mask[1:]
+    grown[:, 1:] |= mask[:, :-1]
+    grown[:, :-1] |= mask[:, 1:]
+    return grown
 
 
 def sky_map(

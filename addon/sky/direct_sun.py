@@ -15,6 +15,7 @@ from ..spectra.metamer import spectrum_with_colour
 from ..spectra.sensitivities import cmfs, observer
 from ..spectra.sunlight import extraterrestrial_sunlight
 from .atmosphere import Atmosphere
+from .least_squares import least_squares
 from .light import SkyLight
 from .scattering import sun_transmittance
 from .sun import Sun
@@ -162,8 +163,6 @@ def _sunlight(elevation: float, air: Atmosphere) -> NDArray[np.float64]:
 
 def _air_of_sun(elevation: float, rgb: ArrayLike | None, S_in: NDArray | None) -> Atmosphere:
     """Return the likeliest air (maximum a posteriori) for a sun of this colour."""
-    from scipy.optimize import least_squares
-
     S_in = observer() if S_in is None else S_in
     target = None if rgb is None else _uv(np.asarray(rgb, dtype=float), S_in)
     middle = np.array([np.log(_HAZE[0]), _OZONE[0], _ANGSTROM[0]])
@@ -182,8 +181,8 @@ def _air_of_sun(elevation: float, rgb: ArrayLike | None, S_in: NDArray | None) -
         return np.concatenate([missed / _COLOUR, away])
 
     # Haze 0.003 to 0.8, ozone to 640 Dobson units, no exponent that would make the sun bluer.
-    limits = np.array([[-5.0, -5.3, -2.6], [3.0, 5.3, 2.6]])
-    return air(least_squares(unlikely, np.zeros(3), bounds=limits, diff_step=1e-4).x)
+    low, high = np.array([[-5.0, -5.3, -2.6], [3.0, 5.3, 2.6]])
+    return air(least_squares(unlikely, np.zeros(3), low, high))
 
 
 def _clear_sky(elevation: float, haze: float) -> NDArray[np.float64]:

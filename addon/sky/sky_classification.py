@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..spectra.daylight_locus import LIMIT, locus_distance
+from ..spectra.daylight_locus import is_off_daylight_locus
 from .irradiance import exact_irradiance
 from .panorama import LUMINANCE, directions
 from .sun import Sun
@@ -86,9 +86,9 @@ def classify(
     horizon = (height + 1) // 2
     labels[horizon:] = GROUND
     elevation = None if sun is None else sun.elevation
-    over = locus_distance(rgb[:horizon], S_in)
-    under = locus_distance(rgb[horizon:], S_in, elevation, direct_sun=sun is not None)
-    labels[np.concatenate([over, under]) > LIMIT] = FOREIGN
+    over = is_off_daylight_locus(rgb[:horizon], S_in)
+    under = is_off_daylight_locus(rgb[horizon:], S_in, elevation, direct_sun=sun is not None)
+    labels[np.concatenate([over, under])] = FOREIGN
     if sun is not None:
         # A pixel's half diagonal more: the disc may lie between centres.
         radius = np.radians(sun.angular_radius) + 0.71 * np.pi / height

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .panorama import LUMINANCE, solid_angles
+from .spots import spots
 
 _SUN = np.pi * np.radians(0.2666) ** 2
 """Solid angle of the sun from the earth [sr]."""
@@ -87,18 +88,12 @@ def _brightest_spot(
     None when there is no light, when as bright pixels cover more than the largest spot does, or
     when those away from the spot hold half as much light: there is only one sun.
     """
-    from scipy.ndimage import label
-
     bright = luminance >= 0.5 * luminance.max()
     area = bright.sum(axis=1) @ solid_angle[: len(bright)]
     if not 0.0 < area <= np.pi * _LARGEST**2:
         return None
-    labels, count = label(bright, np.ones((3, 3), int))
-    alias = np.arange(count + 1)
-    for row in np.flatnonzero(bright[:, 0] & bright[:, -1]):  # one spot across the seam
-        alias[alias == alias[labels[row, -1]]] = alias[labels[row, 0]]
     rows, columns = np.nonzero(bright)
-    spot = alias[labels[rows, columns]]
+    spot = spots(bright)
     light = luminance[rows, columns] * solid_angle[rows]
     chosen = spot == np.argmax(np.bincount(spot, light))
     towards = _towards(rows, columns, len(solid_angle))

@@ -6,8 +6,8 @@ reverse does not hold: a fluorescent lamp of 6500 K has the colour of an overcas
 
 from __future__ import annotations
 
-from functools import lru_cache
-from typing import Any
+from collections.abc import Callable
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from .bases import rayleigh, restoration
 from .ensemble import shipped, uv
 from .grid import WEIGHTS
+from .nearest import are_farther, second_nearest
 from .sensitivities import cmfs, observer
 
 LIMIT = 0.006
@@ -59,23 +60,47 @@ def locus_distance(
     -------
     (...): 0 for black, inf for colours that have no place in u'v' (X + 15 Y + 3 Z not positive).
     """
+    return _measured(second_nearest, rgb, S_in, sun_elevation, direct_sun)
+
+
+def is_off_daylight_locus(
+    rgb: ArrayLike,
+    S_in: NDArray[np.float64] | None = None,
+    sun_elevation: float | None = None,
+    *,
+    direct_sun: bool = False,
+    limit: float = LIMIT,
+) -> NDArray[np.bool_]:
+    """Return whether `locus_distance` is over a limit, (...): the same arguments, much faster."""
+    farther = partial(are_farther, limit=limit)
+    return _measured(farther, rgb, S_in, sun_elevation, direct_sun).astype(bool)
+
+
+def _measured(
+    measure: Callable[[NDArray, NDArray], NDArray],
+    rgb: ArrayLike,
+    S_in: NDArray[np.float64] | None,
+    sun_elevation: float | None,
+    direct_sun: bool,
+) -> NDArray[np.float64]:
+    """Return what ``measure`` says of colours' u'v' and those expected; 0 or inf for others."""
     S_in = observer() if S_in is None else np.asarray(S_in, dtype=float)
     to_XYZ = (cmfs() * WEIGHTS) @ restoration(rayleigh(), S_in)
     rgb = np.asarray(rgb, dtype=float)
     flat = rgb.reshape(-1, 3)
     XYZ = flat @ to_XYZ.T
     place = XYZ @ [1.0, 15.0, 3.0] > 0
-    distance = np.where(flat.any(axis=1), np.inf, 0.0)
-    tree = _tree(S_in.tobytes(), to_XYZ.tobytes(), sun_elevation, direct_sun)
-    distance[place] = tree.query(uv(XYZ[place]), k=[2])[0][:, 0]
-    return distance.reshape(rgb.shape[:-1])
+    result = np.where(flat.any(axis=1), np.inf, 0.0)
+    lights = _lights(S_in.tobytes(), to_XYZ.tobytes(), sun_elevation, direct_sun)
+    result[place] = measure(uv(XYZ[place]), lights)
+    return result.reshape(rgb.shape[:-1])
 
 
 @lru_cache(maxsize=8)
-def _tree(S_in: bytes, to_XYZ: bytes, sun_elevation: float | None, direct_sun: bool) -> Any:
-    """Return the expected lights' u'v', ready for search."""
-    from scipy.spatial import cKDTree
-
+def _lights(
+    S_in: bytes, to_XYZ: bytes, sun_elevation: float | None, direct_sun: bool
+) -> NDArray[np.float64]:
+    """Return the expected lights' u'v', (m, 2)."""
     ensemble = shipped()
     expected = np.ones(len(ensemble.kinds), bool) if direct_sun else ensemble.kinds != _DIRECT_SUN
     if sun_elevation is not None:
@@ -84,4 +109,4 @@ def _tree(S_in: bytes, to_XYZ: bytes, sun_elevation: float | None, direct_sun: b
         width = np.hypot(_NEAR[0], _NEAR[1] * max(middle, 0.0))
         expected = expected & (np.abs(elevations - middle) <= width)
     sensor = np.frombuffer(to_XYZ).reshape(3, 3) @ np.frombuffer(S_in).reshape(3, -1)
-    return cKDTree(uv(ensemble.spectra[expected] @ sensor.T))
+    return uv(ensemble.spectra[expected] @ sensor.T)

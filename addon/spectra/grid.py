@@ -11,6 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .pchip import pchip
+
 STEP = 5.0
 """Distance between nodes [nm]."""
 
@@ -55,9 +57,9 @@ def band_average(wavelengths: ArrayLike, values: ArrayLike) -> NDArray[np.float6
 def resample(wavelengths: ArrayLike, values: ArrayLike) -> NDArray[np.float64]:
     """Bring a smooth spectrum to the grid.
 
-    Samples at least half a step apart are joined by colour-science's monotone cubics
-    (:class:`colour.PchipInterpolator`), which never overshoot a step or leave 0 to 1; denser
-    ones are averaged with `band_average`, so that instrument noise is not sampled at random.
+    Samples at least half a step apart are joined by monotone cubics (`pchip`), which never
+    overshoot a step or leave 0 to 1; denser ones are averaged with `band_average`, so that
+    instrument noise is not sampled at random.
 
     Parameters
     ----------
@@ -75,6 +77,4 @@ def resample(wavelengths: ArrayLike, values: ArrayLike) -> NDArray[np.float64]:
     inside = (x >= WAVELENGTHS[0]) & (x <= WAVELENGTHS[-1])
     if np.median(np.diff(x[inside] if inside.sum() > 1 else x)) < STEP / 2:
         return band_average(x, y)
-    from colour import PchipInterpolator
-
-    return PchipInterpolator(x, y)(np.clip(WAVELENGTHS, x[0], x[-1])).T
+    return pchip(x, y, np.clip(WAVELENGTHS, x[0], x[-1])).T
