@@ -35,7 +35,8 @@ def delta_E_2000(Lab_1: ArrayLike, Lab_2: ArrayLike) -> NDArray[np.float64]:
     h_1, h_2 = np.arctan2(b_1, a_1) % (2 * np.pi), np.arctan2(b_2, a_2) % (2 * np.pi)
     # Hues of a neutral colour are none: the difference is 0, the mean is the other's.
     neutral = C_1 * C_2 == 0
-    far = ~neutral & (np.abs(h_2 - h_1) > np.pi)  # the shorter way leads over 0
+    # The shorter way leads over 0, but not between opposite hues, however they are rounded.
+    far = ~neutral & (np.abs(h_2 - h_1) > np.pi + 1e-12)
     half = np.where(neutral, 0.0, h_2 - h_1) / 2 - np.where(far, np.pi * np.sign(h_2 - h_1), 0.0)
     h = np.where(neutral, h_1 + h_2, (h_1 + h_2) / 2)
     h += np.where(far, np.where(h_1 + h_2 < 2 * np.pi, np.pi, -np.pi), 0.0)
