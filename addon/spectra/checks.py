@@ -2,117 +2,219 @@
 
 from __future__ import annotations
 
-import re
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .grid import resample
-from .table import Table, check_range
+from . import quantities
+from .curves import Table, check_range
+from .files import plain
+from .grid import WAVELENGTHS, resample
 
-UNITS = ("percent", "fraction")
+UNITS = (quantities.PERCENT, quantities.FRACTION)
 
 CLIPPED_UP_TO = 1.05
 """Reflectances over 1 up to this are measurement error and read as 1; more is fluorescence."""
 
-_PERCENT = re.compile(r"%|\bper ?cent|(?<![a-z])pct(?![a-z])|_percent", re.IGNORECASE)
-_FRACTION = re.compile(r"\bfraction|_fraction|\[0 ?[-–.]+ ?1\]|\(0 ?[-–.]+ ?1\)", re.IGNORECASE)
+CLIPPED_DOWN_TO = -0.01
+"""Reflectances under 0 and over this are noise, of a dark current taken off, and read as 0."""
 
 
-def percent_columns(table: Table, unit: str | None) -> tuple[NDArray[np.bool_], list[str]]:
-    """Decide for every column whether it is in percent, and say how it was decided."""
-    columns = len(table.names)
-    if unit is None and table.unit is not None:
-        return np.full(columns, table.unit == "percent"), []
-    if unit is not None:
-        return np.full(columns, unit == "percent"), [f"read as {unit}, as told"]
-    seen = table.visible()
-    said = [
-        True if _PERCENT.search(name) else False if _FRACTION.search(name) else None
-        for name in table.names
-    ]
-    silent = np.array([s is None for s in said])
-    percent = np.array([bool(s) for s in said])
-    notes = []
-    if not silent.all():
-        notes.append("the unit was read from the header")
-    if silent.any():
-        open_values = np.where(np.isfinite(seen.values), seen.values, 0)[:, silent]
-        largest = open_values.max(initial=0)
-        if table.sparse:  # of many spectra, some of which may be broken, most decide
-            largest = np.median(open_values.max(axis=0, initial=0))
-        if CLIPPED_UP_TO < largest <= 2:
-            row, column = np.unravel_index(
-                np.argmin(np.abs(open_values - largest)), open_values.shape
+class OnGrid(NamedTuple):
+    """Columns on the grid (m, 81), 0 in place of those that cannot be used; why, by column; the
+    values that were clipped, over 1 and under 0; from where to where [nm] each has values (m, 2).
+    """
+
+    values: NDArray[np.float64]
+    problems: dict[int, InputError]
+    over: NDArray[np.float64]
+    under: NDArray[np.float64]
+    measured: NDArray[np.float64]
+
+
+def reflectances_of(table: Table) -> tuple[Table, list[str], dict[str, InputError]]:
+    """Return a table's reflectances and transmittances, what was done for it, and what is neither.
+
+    Absorbance, log(1/R) and Kubelka-Munk's K/S are converted, which is exact. Columns of other
+    things (counts, light, gloss) are left out; each is told by an `InputError` under its name.
+    """
+    values, said, notes = table.values, list(table.said), []
+    refused: dict[str, InputError] = {}
+    kept = []
+    for k, one in enumerate(table.said):
+        if one.quantity in quantities.TAKEN:
+            kept.append(k)
+            continue
+        made = quantities.converted(one.quantity, values[:, k])
+        if made is None:
+            refused[table.names[k]] = InputError(
+                table.place(None, k),
+                f"holds {one.quantity}, not reflectance",
+                "give reflectance, transmittance or absorbance",
             )
-            raise InputError(
-                seen.place(int(row), int(np.flatnonzero(silent)[column])),
-                f"the largest value is {largest:g}: percent or fraction?",
+            continue
+        if values is table.values:
+            values = values.copy()
+        values[:, k] = made
+        said[k] = said[k]._replace(unit=quantities.FRACTION)
+        kept.append(k)
+    for quantity in dict.fromkeys(table.said[k].quantity for k in kept):
+        if quantity not in quantities.TAKEN:
+            notes.append(f"{quantity} was made reflectance or transmittance: {_FORMULA[quantity]}")
+    columns = Table(**{**vars(table), "values": values, "said": tuple(said)}).columns(kept)
+    return columns, notes, refused
+
+
+_FORMULA = {
+    quantities.ABSORBANCE: "10^-A",
+    quantities.LOG_R: "10^-A",
+    quantities.LOG_T: "10^-A",
+    quantities.LN_R: "e^-A",
+    quantities.LN_T: "e^-A",
+    quantities.KUBELKA_MUNK: "1 + F - sqrt(F² + 2F)",
+}
+
+
+def percent_columns(
+    table: Table, unit: str | None
+) -> tuple[NDArray[np.bool_], list[str], dict[int, InputError]]:
+    """Decide for every column whether it is in percent, say how, and where it cannot be decided."""
+    told = [one.unit for one in table.said]
+    converted = np.array([one.quantity not in quantities.TAKEN for one in table.said], dtype=bool)
+    if unit is not None:
+        percent = np.full(len(told), unit == quantities.PERCENT) & ~converted
+        return percent, [f"read as {unit}, as told"] if not converted.all() else [], {}
+    percent = np.array([one == quantities.PERCENT for one in told], dtype=bool)
+    silent = np.array([one not in UNITS for one in told], dtype=bool)
+    notes, unclear = [], {}
+    if (~silent & ~converted).any() and table.format in ("CSV", "text in columns"):
+        notes.append("the unit is the one that the file tells")
+    if not silent.any():
+        return percent, notes, unclear
+    seen = table.visible()
+    largest = np.where(np.isfinite(seen.values), seen.values, 0.0).max(axis=0, initial=0.0)
+    decisive = largest.copy()
+    if table.sparse:  # of a library's many spectra, some of which may be broken, most decide
+        decisive[silent] = np.median(largest[silent])
+    percent[silent] = decisive[silent] > 2.0
+    for k in np.flatnonzero(silent):
+        never = told[k] == quantities.UNCLEAR and decisive[k] <= 2.0
+        if never or CLIPPED_UP_TO < decisive[k] <= 2.0:
+            row = int(np.argmin(np.abs(seen.values[:, k] - largest[k])))
+            unclear[int(k)] = InputError(
+                seen.place(row, int(k)),
+                f"the largest value is {largest[k]:g}: percent or fraction?",
                 "say --unit percent or --unit fraction",
             )
-        percent[silent] = largest > 2
-        notes.append(
-            f"read as {'percent' if largest > 2 else 'fraction'}: the largest value is {largest:g}"
-        )
-    return percent, notes
+    notes += _decided(
+        table, silent & ~np.isin(np.arange(len(told)), list(unclear)), percent, decisive
+    )
+    return percent, notes, unclear
 
 
-def on_grid(
-    table: Table, percent: NDArray[np.bool_]
-) -> tuple[NDArray[np.float64], dict[int, InputError], NDArray[np.float64]]:
-    """Return the columns on the grid (m, 81), why some of them cannot be used, and values over 1.
+def _decided(table: Table, by_size: NDArray, percent: NDArray, largest: NDArray) -> list[str]:
+    """Return a sentence for each unit that sizes have decided."""
+    notes = []
+    both = (by_size & percent).any() and (by_size & ~percent).any()
+    for unit, chosen in zip(UNITS, (by_size & percent, by_size & ~percent), strict=True):
+        if chosen.any():
+            few = [f"'{table.names[k]}'" for k in np.flatnonzero(chosen)[:3]]
+            more = f" and {chosen.sum() - 3} more" if chosen.sum() > 3 else ""
+            which = f"{', '.join(few)}{more} " if both else ""
+            notes.append(f"{which}read as {unit}: the largest value is {largest[chosen].max():g}")
+    return notes
 
-    The problems by column, in whose place the grid holds 0; the values over 1 that count as 1.
+
+def on_grid(table: Table, percent: NDArray[np.bool_]) -> OnGrid:
+    """Return the columns on the grid, and what stands against those that cannot be used.
+
+    What lies outside 380-780 nm cannot spoil a column, nor can its ends where nothing was measured.
     """
-    grid = np.zeros((len(table.names), 81))
+    count = len(table.names)
+    grid, measured = np.zeros((count, WAVELENGTHS.size)), np.full((count, 2), np.nan)
     problems: dict[int, InputError] = {}
-    over = []
-    for columns, part in _alike(table):
-        part = part.visible()
-        values = np.where(percent[columns], part.values / 100.0, part.values)
-        wrong = ~((values >= 0) & (values <= CLIPPED_UP_TO)).all(axis=0)
-        found = {}
-        try:
-            check_range(part)
-        except InputError:
-            wrong[:] = True
-        for k in np.flatnonzero(wrong):
-            try:
-                check_range(part.columns([k]))
-                _check_values(part.columns([k]), values[:, [k]], percent[columns][[k]])
-            except InputError as error:
-                found[int(columns[k])] = error
-        problems |= found
-        good = np.flatnonzero(~wrong)
-        if good.size:
-            usable = np.ascontiguousarray(values[:, good])
-            over.append(usable[usable > 1])
-            on = resample(part.wavelengths, np.minimum(usable, 1.0))
-            grid[columns[good]] = np.clip(on, 0.0, 1.0)
-    return grid, dict(sorted(problems.items())), np.concatenate([*over, np.empty(0)])
-
-
-def _alike(table: Table) -> list[tuple[NDArray[np.int64], Table]]:
-    """Return the columns that have values at the same wavelengths, and their rows alone."""
-    if not table.sparse:
-        return [(np.arange(len(table.names)), table)]
+    over, under = [np.empty(0)], [np.empty(0)]
     table = table.visible()
+    with np.errstate(all="ignore"):
+        fractions = np.where(percent, table.values / 100.0, table.values)
+    for columns, rows in _alike(table, fractions):
+        part = table.rows(rows)
+        # Most that cannot be used are told by the range that they have in common.
+        try:
+            check_range(part.columns(columns[:1]))
+            fault = None
+        except InputError as error:
+            fault = error
+        values = fractions[np.ix_(rows, columns)]
+        good = ((values > CLIPPED_DOWN_TO) & (values <= CLIPPED_UP_TO)).all(axis=0)
+        if fault is not None:
+            good[:] = False
+        for k in np.flatnonzero(~good):
+            problems[int(columns[k])] = _problem(
+                part.columns(columns[[k]]), values[:, [k]], percent[columns[k]], fault, k == 0
+            )
+        if good.any():
+            usable = np.ascontiguousarray(values[:, good])
+            over.append(usable[usable > 1.0])
+            under.append(usable[usable < 0.0])
+            on = resample(part.wavelengths, np.clip(usable, 0.0, 1.0))
+            grid[columns[good]] = np.clip(on, 0.0, 1.0)
+            measured[columns[good]] = part.wavelengths[[0, -1]]
+    return OnGrid(
+        grid, dict(sorted(problems.items())), np.concatenate(over), np.concatenate(under), measured
+    )
+
+
+def _alike(
+    table: Table, fractions: NDArray[np.float64]
+) -> list[tuple[NDArray[np.int64], NDArray[np.bool_]]]:
+    """Return columns that have values in the same rows, and these rows."""
     has = np.isfinite(table.values)
+    if not table.sparse:  # a number that is missing between others is a mistake
+        begun = np.logical_or.accumulate(has, axis=0)
+        has = begun & np.logical_or.accumulate(has[::-1], axis=0)[::-1]
+        has |= ~has.any(axis=0)
+        for k in {table.names.index(name) for _, name in table.words if name in table.names}:
+            for row, line in enumerate(() if table.lines is None else table.lines):
+                has[row, k] |= (int(line), table.names[k]) in table.words
+    outside = (table.wavelengths < WAVELENGTHS[0]) | (table.wavelengths > WAVELENGTHS[-1])
+    with np.errstate(invalid="ignore"):
+        sound = (fractions > CLIPPED_DOWN_TO) & (fractions <= CLIPPED_UP_TO)
+    has &= ~outside[:, None] | sound
     alike: dict[bytes, list[int]] = {}
     for k, pattern in enumerate(np.packbits(has, axis=0).T):
         alike.setdefault(pattern.tobytes(), []).append(k)
-    return [
-        (np.array(columns), table.columns(columns).rows(has[:, columns[0]]))
-        for columns in alike.values()
-    ]
+    return [(np.array(columns), has[:, columns[0]]) for columns in alike.values()]
 
 
-def _check_values(table: Table, values: NDArray, percent: NDArray) -> None:
+def _problem(
+    part: Table, values: NDArray, percent: bool, fault: InputError | None, first: bool
+) -> InputError:
+    """Return why one column cannot be used."""
+    try:
+        if any(name == part.names[0] for _, name in part.words):
+            _check_values(part, values, percent)
+        if fault is not None:
+            if first:
+                return fault
+            check_range(part)
+        _check_values(part, values, percent)
+    except InputError as error:
+        return error
+    return InputError(part.place(None, 0), "cannot be used", "mend it")
+
+
+def _check_values(table: Table, values: NDArray, percent: bool) -> None:
     """Raise for the first value that no reflectance can have."""
     for wrong, problem, cure in (
         (~np.isfinite(values), "is not a number", "fill in the measurement or remove the row"),
-        (values < 0, "is under 0", "mend the measurement: a reflectance lies in 0 to 1"),
+        (
+            values <= CLIPPED_DOWN_TO,
+            "is under 0",
+            "mend the measurement: a reflectance lies in 0 to 1",
+        ),
         (
             values > CLIPPED_UP_TO,
             "is over 1.05 (as a fraction)",
@@ -120,10 +222,11 @@ def _check_values(table: Table, values: NDArray, percent: NDArray) -> None:
         ),
     ):
         if wrong.any():
-            row, column = np.unravel_index(np.argmax(wrong), wrong.shape)
-            shown = f"{table.values[row, column]:g}" + (" %" if percent[column] else "")
-            raise InputError(
-                table.place(int(row), int(column)),
-                f"{shown} {problem}",
-                cure,
-            )
+            row = int(np.argmax(wrong[:, 0]))
+            shown = f"{table.values[row, 0]:g}" + (" %" if percent else "")
+            word = None
+            if table.lines is not None:
+                word = table.words.get((int(table.lines[row]), table.names[0]))
+            if word is not None:
+                shown, cure = f"'{plain(word)[:40]}'", "mend it"
+            raise InputError(table.place(row, 0), f"{shown} {problem}", cure)

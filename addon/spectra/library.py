@@ -21,10 +21,10 @@ from ..errors import InputError
 from ..progress import Progress, run
 from . import cache, formats
 from .cielab import XYZ_to_Lab
+from .curves import NoSpectra
 from .illuminants import D65
 from .reflectance import read_all, reflectance_hash
 from .sensitivities import cmfs
-from .table import NoSpectra
 
 ORDERS = ("name", "hue", "lightness", "source")
 

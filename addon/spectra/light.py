@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .curves import LIGHT, check_range
 from .grid import WEIGHTS, resample
 from .sensitivities import cmfs
-from .table import check_range, read_table
+from .table import read_table
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ def read_light(path: str | Path) -> Light:
     missing, and spectra without luminance.
     """
     table = read_table(path)
-    check_range(table)
+    check_range(table, LIGHT)
     missing = np.argwhere(~np.isfinite(table.values))
     if missing.size:
         row, column = missing[0]

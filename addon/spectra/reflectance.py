@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from . import formats
-from .checks import UNITS, on_grid, percent_columns
+from .checks import UNITS, on_grid, percent_columns, reflectances_of
+from .curves import NoSpectra, Table
 from .grid import WAVELENGTHS
-from .table import Table
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,9 @@ class Reflectances:
     ``values`` (m, 81) in 0 to 1, ``names`` (m), ``unit`` as read (``percent`` or ``fraction``),
     ``notes`` (what was done to the data, a sentence each), ``measured``: from where to where [nm]
     the file has values; beyond, the grid holds those of the ends; ``classes`` (m: what kind of
-    thing each is) or none, ``problems``: the spectra that cannot be used, and why.
+    thing each is) or none; ``format`` (what kind of file it is), ``quantities`` and ``units`` (m:
+    as the file has each; an empty quantity: it does not say, and is taken for a reflectance);
+    ``problems``: the spectra that cannot be used, and why.
     """
 
     path: Path
@@ -34,6 +36,9 @@ class Reflectances:
     notes: tuple[str, ...]
     measured: tuple[float, float]
     classes: tuple[str, ...] = ()
+    format: str = ""
+    quantities: tuple[str, ...] = ()
+    units: tuple[str, ...] = ()
     problems: Mapping[str, InputError] = field(default_factory=dict)
 
 
@@ -47,8 +52,9 @@ def read_reflectances(
     path
         The file: `formats.read` says which forms are understood.
     unit
-        ``percent`` or ``fraction``; without it the format or the column headers decide, and without
-        a unit there the size of the numbers: over 2 is percent, up to 1.05 a fraction.
+        ``percent`` or ``fraction``; without it the format, the headers or what the file says around
+        its numbers decide, and without a unit there the size of a column's own numbers: over 2 is
+        percent, up to 1.05 a fraction.
     column
         The header of the one column that matters: errors in others are not looked for.
 
@@ -56,15 +62,16 @@ def read_reflectances(
     -------
     Reflectances on the grid. Rows outside 380-780 nm count only as the nearest neighbours of
     that range. Outside the measured range the end values are held, and ``notes`` says so. Of a
-    published library the spectra that cannot be used are left out and told in ``notes``.
+    published library the spectra that cannot be used are left out and told in ``notes``, as are
+    columns of other things: counts, light, gloss. Absorbance, log(1/R) and K/S are converted.
 
     Raises
     ------
     InputError
         What `formats.read` raises, and: a largest value between 1.05 and 2 without a unit; NaN or
-        values under 0 or over 1.05 (fluorescence); a gap over 20 nm inside 400-700 nm; a range
-        that does not cover 400-700 nm; no such column, or several. The message names line and
-        column.
+        values of -0.01 and less or over 1.05 (fluorescence); a gap over 20 nm inside 400-700 nm; a
+        range that does not cover 420-700 nm; numbers that are no reflectance; no such column, or
+        several. The message names line and column.
     """
     table = formats.read(path)
     read = _admitted(table, unit, column)
@@ -85,41 +92,62 @@ def _admitted(table: Table, unit: str | None, column: str | None) -> Reflectance
     """Return of a table the reflectances, or the one that ``column`` names, that can be used."""
     if unit is not None and unit not in UNITS:
         raise InputError("--unit", f"'{unit}' is no unit", "choose percent or fraction")
-    percent, notes = percent_columns(table, unit)
     if column is not None:
-        k = _index(table, column)
-        table, percent = table.columns([k]), percent[[k]]
-    values, problems, over = on_grid(table, percent)
+        table = table.columns([_index(table, column)])
+    as_read = dict(zip(table.names, table.said, strict=True))
+    table, notes, refused = reflectances_of(table)
+    if not table.names:
+        raise _about_something_else(next(iter(refused.values())))
+    percent, how, unclear = percent_columns(table, unit)
+    on = on_grid(table, percent)
+    problems = {**on.problems, **unclear}
+    good = [k for k in range(len(table.names)) if k not in problems]
+    notes += how
+    if refused:
+        some = ", ".join(f"'{name}' ({as_read[name].quantity})" for name in list(refused)[:4])
+        notes.append(f"left out, for they are no reflectances: {some}")
     if table.unsorted:
         notes.append("the rows were sorted by wavelength")
-    if over.size:
-        notes.append(f"{over.size} value(s) over 1, at most {over.max():.3f}, were read as 1")
-    good = [k for k in range(len(table.names)) if k not in problems]
-    told = {table.names[k]: error for k, error in problems.items()}
+    if on.over.size:
+        notes.append(f"{on.over.size} value(s) over 1, at most {on.over.max():.3f}, were read as 1")
+    if on.under.size:
+        least = f"{on.under.min():.2g}"
+        notes.append(f"{on.under.size} value(s) under 0, at least {least}, were read as 0")
+    told = {table.names[k]: error for k, error in sorted(problems.items())}
     if told:
         first = next(iter(told.values()))
         notes.append(f"{len(told)} of {len(table.names)} spectra are left out, the first: {first}")
     table, percent = table.columns(good), percent[good]
-    low, high = _measured(table)
+    low, high = _measured(on.measured[good])
     if low > WAVELENGTHS[0] or high < WAVELENGTHS[-1]:
         notes.append(f"measured from {low:g} to {high:g} nm; the end values are held beyond")
     return Reflectances(
         path=table.path,
         names=table.names,
-        values=values[good],
+        values=on.values[good],
         unit=UNITS[0] if percent.all() else UNITS[1] if not percent.any() else "mixed",
         notes=(*table.notes, *notes),
         measured=(low, high),
         classes=table.classes,
+        format=table.format,
+        quantities=tuple(as_read[name].quantity for name in table.names),
+        units=tuple(UNITS[0] if one else UNITS[1] for one in percent),
         problems=told,
     )
 
 
-def _measured(table: Table) -> tuple[float, float]:
-    """Return from where to where [nm] a table has values, the nearest of what the grid sees."""
-    has = np.isfinite(table.values).any(axis=1)
-    found = table.rows(has).visible().wavelengths if has.any() else table.visible().wavelengths
-    return (float(found[0]), float(found[-1])) if found.size else (float("nan"),) * 2
+def _about_something_else(error: InputError) -> NoSpectra:
+    """Return the same line about a file that holds no reflectance at all."""
+    other = NoSpectra("", "", "")
+    other.args, other.problem = error.args, error.problem
+    return other
+
+
+def _measured(ends: NDArray[np.float64]) -> tuple[float, float]:
+    """Return from where to where [nm] columns have values together, of the ends (m, 2) of each."""
+    if not len(ends):
+        return float("nan"), float("nan")
+    return float(ends[:, 0].max()), float(ends[:, 1].min())
 
 
 def split_assignment(text: str) -> tuple[Path, str | None]:

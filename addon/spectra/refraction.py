@@ -9,14 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .curves import LIGHT
+from .files import content, number
 from .grid import WAVELENGTHS, resample
-from .table import NEEDED
 
 LARGEST_GAP = 100.0
 """[nm] between neighbouring samples of visible light: tables by photon energy are that coarse."""
 
 _LARGEST_FILE = 1 << 24
 """Bytes."""
+
+_LARGEST = 1000.0
+"""No n or k of visible light is larger."""
 
 
 def read_nk(path: str | Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -36,28 +40,23 @@ def read_nk(path: str | Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]
         do not cover 400-700 nm or have a gap of over 100 nm there; a record with a formula for n.
     """
     path = Path(path)
-    try:
-        if path.stat().st_size > _LARGEST_FILE:
-            raise InputError(path, "is larger than 16 MiB", "give a table of n and k")
-        text = path.read_bytes().decode("utf-8-sig", errors="replace")
-    except OSError as error:
-        raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from error
-    if re.search(r"type:\s*formula", text):
+    lines = content(path, _LARGEST_FILE).decode("utf-8-sig", "replace").split("\n")
+    if any(re.match(r"[\s-]{0,80}type:\s{0,80}formula", line) for line in lines):
         raise InputError(path, "gives n as a formula", "take the CSV file of the same page")
-    first, *further = _tables(text)
+    first, *further = _tables(lines)
     n = _on_grid(path, "n", first, 1)
     if first.shape[1] > 2:
         return n, _on_grid(path, "k", first, 2)
     return n, _on_grid(path, "k", further[0], 1) if further else np.zeros_like(n)
 
 
-def _tables(text: str) -> list[NDArray[np.float64]]:
-    """Return the tables of numbers in a text, (rows, columns) each; an empty one if there are none.
+def _tables(lines: list[str]) -> list[NDArray[np.float64]]:
+    """Return the tables of numbers in lines, (rows, columns) each; an empty one if there are none.
 
     A line that is not all numbers, or that has another count of them, ends a table.
     """
     tables: list[list[list[float]]] = [[]]
-    for line in text.splitlines():
+    for line in lines:
         numbers = _numbers(line)
         if tables[-1] and len(numbers) != len(tables[-1][0]):
             tables.append([])
@@ -68,23 +67,22 @@ def _tables(text: str) -> list[NDArray[np.float64]]:
 
 def _numbers(line: str) -> list[float]:
     """Return the numbers of a line, none where anything else stands in it."""
-    if re.search(r"[;\t]", line):
-        cells = re.split(r"[;\t]", line.replace(",", "."))
+    if ";" in line or "\t" in line:
+        cells = line.replace("\t", ";").split(";")
     else:
-        cells = re.split(r"\s*,\s*|\s+", line.strip())
-    try:
-        return [float(cell) for cell in cells if cell.strip()]
-    except ValueError:
-        return []
+        cells = line.replace(",", " ").split()
+    found = [number(cell.strip()) for cell in cells if cell.strip()]
+    numbers = [one for one in found if one is not None]
+    return numbers if len(numbers) == len(found) else []
 
 
 def _on_grid(path: Path, name: str, table: NDArray, column: int) -> NDArray[np.float64]:
     wavelengths, values = table[:, 0], table[:, column]
     if wavelengths.size < 2:
         raise InputError(path, "holds no table of n and k", "give the columns wavelength, n, k")
-    if not np.isfinite(table).all() or wavelengths.min() <= 0:
+    if not np.isfinite(wavelengths).all() or wavelengths.min() <= 0:
         raise InputError(path, "holds numbers that are none", "mend or remove the row")
-    low, high = NEEDED
+    low, high = LIGHT
     in_nm, in_um = (
         np.count_nonzero((wavelengths >= low / size) & (wavelengths <= high / size))
         for size in (1.0, 1000.0)
@@ -102,6 +100,10 @@ def _on_grid(path: Path, name: str, table: NDArray, column: int) -> NDArray[np.f
     if twice.size:
         where = f"{wavelengths[twice[0]]:g} nm"
         raise InputError(path, f"{where} stands there twice", "remove one of the rows")
+    if not np.isfinite(values).all():
+        raise InputError(path, "holds numbers that are none", "mend or remove the row")
+    if values.max() > _LARGEST:
+        raise InputError(path, f"{name} is {values.max():g}", f"mend it: none is over {_LARGEST:g}")
     if values.min() < 0 or (name == "n" and values.min() <= 0):
         raise InputError(path, f"{name} is {values.min():g}", "mend it: n is over 0, k at least 0")
     gap = (np.diff(wavelengths) * (wavelengths[1:] > low) * (wavelengths[:-1] < high)).max()

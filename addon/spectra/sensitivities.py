@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .curves import LIGHT
 from .datasets import CAMERAS, CMFS, dataset, names
 from .grid import WAVELENGTHS, WEIGHTS, resample
-from .table import NEEDED, read_table
+from .table import read_table
 from .working_spaces import DEFAULT_SPACE, XYZ_to_working
 
 
@@ -89,7 +90,7 @@ def _read_camera(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
     if bad.size:
         raise InputError(table.place(int(bad[0])), "not a number", "mend or remove the row")
-    low, high = NEEDED[0] + 30, NEEDED[1] - 50
+    low, high = LIGHT[0] + 30, LIGHT[1] - 50
     if table.wavelengths[0] > low or table.wavelengths[-1] < high:
         raise InputError(
             path,

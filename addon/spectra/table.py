@@ -1,299 +1,338 @@
-"""Text tables of spectra: a wavelength column and further columns, as people publish them."""
+"""Text with a block of numbers in columns: a spreadsheet's CSV, an instrument's own export.
+
+Lines before the block (a preamble, headings) and after it (a trailer) say what its columns hold.
+Samples that stand in rows are read by `sample_rows`.
+"""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections import Counter
+from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .grid import WAVELENGTHS
+from . import quantities, sample_rows, wavelengths
+from .cells import Row, Sheet, read_sheet, value
+from .curves import NoSpectra, Table
+from .files import BinaryFile, plain
+from .merging import merged, told_apart
+from .quantities import Said
+from .table_heads import Heads, heads_of
 
-LONGEST_LINE = 1 << 22
-"""Characters: 100,000 columns fit; a longer line is no table of spectra."""
-
-LARGEST_FILE = 1 << 28
-"""Characters."""
-
-LARGEST_GAP = 20.0
-"""[nm] between neighbouring samples inside `NEEDED`."""
-
-NEEDED = (400.0, 700.0)
-"""The range [nm] that spectra must cover: 99.9 % of what the eye sees of sunlight."""
-
-_WAVELENGTH_HEADERS = re.compile(
-    r"(wave ?lengths?|wave|wvl?|wl|lambda|λ|nanomet(er|re)s?|nm|wellenlänge|longueur d.onde)?"
-    r"( ?(nm|nanomet(er|re)s?))?"
-)
-_MICROMETRES = re.compile(r"\b(um|µm|μm|micron|micromet)", re.IGNORECASE)
-
-
-class NoSpectra(InputError):
-    """A file that is whole, but about something else than spectra."""
-
-
-@dataclass(frozen=True)
-class Table:
-    """Columns of spectra as they stand in a file, rows in order of wavelength.
-
-    ``wavelengths`` [nm] (k,), ``values`` (k, m), ``names`` (m column headers), ``lines`` (k line
-    numbers in the file, for messages, None where it has no lines), ``unsorted`` (whether the rows
-    had to be sorted), ``unit`` (``percent`` or ``fraction`` where the format itself says so),
-    ``sparse`` (whether NaN says that a spectrum has no value there, as in published libraries, and
-    a broken spectrum spoils itself alone), ``classes`` (m: what kind of thing each is, or none),
-    ``notes`` (what was done to the data, a sentence each).
-    """
-
-    path: Path
-    names: tuple[str, ...]
-    wavelengths: NDArray[np.float64]
-    values: NDArray[np.float64]
-    lines: NDArray[np.int64] | None
-    unsorted: bool
-    unit: str | None = None
-    sparse: bool = False
-    classes: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
-
-    def place(self, row: int | None = None, column: int | None = None) -> str:
-        """Return where something stands, for messages: file, line or wavelength, column."""
-        named = "" if column is None else f", column '{self.names[column]}'"
-        if row is None:
-            return f"{self.path}{named}"
-        if self.lines is None:
-            return f"{self.path}{named}, {self.wavelengths[row]:g} nm"
-        return f"{self.path}:{self.lines[row]}{named}"
-
-    def columns(self, chosen: Sequence[int] | NDArray[np.int64]) -> Table:
-        """Return the columns of these numbers alone."""
-        return replace(
-            self,
-            names=tuple(self.names[k] for k in chosen),
-            values=self.values[:, chosen],
-            classes=tuple(self.classes[k] for k in chosen) if self.classes else (),
-        )
-
-    def rows(self, chosen: slice | NDArray[np.bool_]) -> Table:
-        """Return these rows alone."""
-        return replace(
-            self,
-            wavelengths=self.wavelengths[chosen],
-            values=self.values[chosen],
-            lines=None if self.lines is None else self.lines[chosen],
-        )
-
-    def visible(self) -> Table:
-        """Return the rows that the grid sees, and the nearest on either side."""
-        first = max(np.searchsorted(self.wavelengths, WAVELENGTHS[0], side="right") - 1, 0)
-        last = np.searchsorted(self.wavelengths, WAVELENGTHS[-1], side="left") + 1
-        return self.rows(slice(first, last))
+__all__ = ["NoSpectra", "Table", "read_table"]
 
 
 def read_table(path: str | Path) -> Table:
-    """Read a table of spectra.
+    """Read a text of spectra, in columns or in rows.
 
-    Comma, semicolon or tab between columns; decimal commas with the latter two; ``#`` comments;
-    UTF-8 with or without a byte-order mark, UTF-16 with one, else Latin-1. The first column is
-    the wavelength in nm; a header is optional, empty cells read as NaN.
+    Comma, semicolon, tab or blanks between columns; decimal commas; ``#`` comments; UTF-8 or UTF-16
+    with or without a byte-order mark, else Latin-1. Of columns, one holds the wavelengths, the
+    first where nothing is said; where several do, each belongs to the columns behind it. Columns
+    that count rows are left out. A header is optional, what is missing reads as NaN.
 
     Raises
     ------
     InputError
-        A file that is missing, empty, binary, larger than 256 MiB or with a line over 4 MiB; a
-        first column that is not a wavelength in nm; text for numbers; rows of unequal length;
-        no further column; a wavelength that is not finite, not above 0, or there twice.
+        A file that is missing, empty, binary, larger than 64 MiB or with a line over 4 MiB; no
+        column of wavelengths, or one in no known unit; text among rows of numbers; rows longer than
+        their header; no further column; wavelengths that are not finite, not above 0, or there
+        twice. `NoSpectra` where the text is about something else.
     """
     path = Path(path)
-    rows = _rows(path)
-    if not rows:
+    try:
+        sheet = read_sheet(path)
+    except BinaryFile as error:
+        raise NoSpectra(path, error.problem, "export it as CSV") from None
+    if not sheet.rows:
         raise InputError(path, "holds no data", "give a wavelength column and a reflectance column")
-    separator = _separator(rows[0][1])
-    decimal_comma = separator != ","
-    number, first = rows[0]
-    cells = [cell.strip().strip('"').strip() for cell in first.split(separator)]
-    if _number(cells[0], decimal_comma) is None:
-        _check_wavelength_header(path, number, cells[0])
-        names, rows = cells[1:], rows[1:]
-        # A trailing separator makes an empty last column.
-        while names and not names[-1]:
-            names.pop()
-    else:
-        if any(cell and _number(cell, decimal_comma) is None for cell in cells[1:]):
-            raise NoSpectra(
-                f"{path}:{number}",
-                "is neither a header nor a row of numbers",
-                "begin with a header: wavelength_nm and a name for each column",
+    in_rows = sample_rows.read(sheet)
+    return in_rows if in_rows is not None else _in_columns(sheet)
+
+
+def _in_columns(sheet: Sheet) -> Table:
+    """Return the spectra of a text that has them in columns."""
+    block = _block(sheet)
+    heads = heads_of(sheet, block.start, block.rows)
+    if not heads.wavelengths and not block.numeric:
+        raise _no_spectra(sheet, heads)
+    return _table(sheet, block.rows, heads)
+
+
+class _Block(NamedTuple):
+    rows: list[Row]
+    start: int
+    numeric: int
+
+
+def _kind(row: Row) -> int:
+    """Return 2 for a row of numbers, 1 for one that begins with a number, 0 for text."""
+    cells = row.cells[:64]
+    numbers = sum(value(cell) is not None for cell in cells)
+    if numbers >= 2 and 2 * numbers >= sum(map(bool, cells)):
+        return 2
+    return int(row.told >= 2 and value(cells[0]) is not None)
+
+
+def _block(sheet: Sheet) -> _Block:
+    """Return the longest run of rows of numbers, and where in the sheet it starts."""
+    kinds = [_kind(row) for row in sheet.rows]
+    runs: list[tuple[int, int, int]] = []  # rows of numbers, start, end
+    start = 0
+    for k in range(len(kinds) + 1):
+        if k == len(kinds) or not kinds[k]:
+            if k > start:
+                runs.append((kinds[start:k].count(2), start, k))
+            start = k + 1
+    if not runs:
+        return _Block([], len(kinds), 0)
+    numeric, start, end = max(runs, key=lambda run: (run[0], run[2] - run[1]))
+    first, last = start, end
+    rows = sheet.rows
+    numbered = [value(row.cells[0]) is not None for row in rows[first:last]]
+    if 2 * sum(numbered) >= len(numbered):  # else the rows have names
+        while first < last and not numbered[first - start]:
+            first += 1
+        while first < last and not numbered[last - 1 - start]:
+            last -= 1
+    width = Counter(len(row.cells) for row in rows[first:last]).most_common(1)[0][0]
+    while last - first > 2 and kinds[last - 1] == 1 and len(rows[last - 1].cells) != width:
+        last -= 1
+    while last - first > 2 and kinds[first] == 1 and len(rows[first].cells) != width:
+        first += 1
+    for count, a, b in runs:
+        if count >= 2 and a != start and len(rows[a].cells) == len(rows[first].cells):
+            broken = rows[b] if a < start else rows[end]
+            raise InputError(
+                f"{sheet.path}:{broken.line}",
+                f"'{plain(broken.text)[:40]}' stands among the rows of numbers",
+                "mend or remove the line; give one table a file",
             )
-        names = [path.stem if len(cells) == 2 else f"{path.stem} {k}" for k in range(1, len(cells))]
-    if not names:
-        raise InputError(
-            f"{path}:{number}",
+    return _Block(rows[first:last], first, numeric)
+
+
+def _no_spectra(sheet: Sheet, heads: Heads) -> InputError:
+    """Return what is said where no block of numbers is found."""
+    first = sheet.rows[0]
+    if not wavelengths.heads_wavelengths(first.cells[0]):
+        return NoSpectra(
+            f"{sheet.path}:{first.line}",
+            f"the first column is '{plain(first.cells[0])[:40]}', not a wavelength",
+            "put the wavelength first and name it wavelength_nm",
+        )
+    if len(first.cells) < 2:
+        return InputError(
+            f"{sheet.path}:{first.line}",
             "there is a wavelength column but no other",
             "add a column, separated by comma, semicolon or tab",
         )
-    if not rows:
-        raise InputError(path, "there is a header but no row of numbers", "add the measured values")
-    data = np.array([_parse(path, row, separator, decimal_comma, names) for row in rows])
-    lines = np.array([row[0] for row in rows])
-    order = np.argsort(data[:, 0], kind="stable")
-    wavelengths = data[order, 0]
-    _check_wavelengths(path, wavelengths, lines[order])
-    return Table(
-        path=path,
-        names=tuple(names),
-        wavelengths=wavelengths,
-        values=data[order, 1:],
-        lines=lines[order],
-        unsorted=bool(np.any(np.diff(order) < 0)),
+    return InputError(
+        sheet.path, "there is a header but no row of numbers", "add the measured values"
     )
 
 
-def check_range(table: Table) -> None:
-    """Check that a table covers 400-700 nm without gaps; `InputError` names lines and column."""
-    wavelengths = table.wavelengths
-    if wavelengths.size < 2 or wavelengths[0] > NEEDED[0] or wavelengths[-1] < NEEDED[1]:
-        span = f"{wavelengths[0]:g}-{wavelengths[-1]:g} nm" if wavelengths.size else "no light"
-        if table.sparse or table.lines is None:
-            place = table.place(None, 0)
-        else:
-            first, last = table.lines.min(initial=0), table.lines.max(initial=0)
-            place = f"{table.path}, wavelength column, lines {first}-{last}"
+def _table(sheet: Sheet, rows: list[Row], heads: Heads) -> Table:
+    """Return the table of a block of rows under their headings."""
+    path = sheet.path
+    if not rows:
+        raise _no_spectra(sheet, heads)
+    columns = len(heads.names)
+    _check_widths(sheet, rows, columns, heads.named)
+    data, words = _numbers(rows, columns)
+    lines = np.array([row.line for row in rows])
+    groups, notes = _groups(sheet, data, heads, words)
+    said, x_unit = quantities.around(_texts_around(sheet, rows))
+    parts = []
+    for at, values in groups:
+        unit = _unit(sheet, rows, heads.texts[at], x_unit, data[:, at])
+        has = np.isfinite(data[:, at]) | np.isfinite(data[:, values]).any(axis=1)
+        has |= np.array([(k, at) in words for k in range(len(rows))])
+        nm = wavelengths.to_nm(data[has, at], unit)
+        _check(path, nm, lines[has], unit)
+        parts.append((nm, data[np.ix_(has, values)], lines[has]))
+    chosen = [k for _, values in groups for k in values]
+    names = told_apart([plain(heads.names[k]) for k in chosen], collapse=False)
+    table = merged(path, names, parts)
+    missing = {
+        (int(lines[row]), names[chosen.index(column)]): word
+        for (row, column), word in words.items()
+        if column in chosen
+    }
+    return replace(
+        table,
+        said=tuple(_said(heads.texts[k], heads.texts, said) for k in chosen),
+        format=_format(sheet),
+        words=missing,
+        notes=tuple(notes),
+    )
+
+
+def _format(sheet: Sheet) -> str:
+    if sheet.path.suffix.lower() in (".csv", ".tsv"):
+        return "CSV"
+    return "text in columns"
+
+
+def _said(text: str, texts: list[str], around: Said) -> Said:
+    """Return what a column's heading says of it, where it is silent what the lines around do."""
+    own = quantities.said(text)
+    # A plastic among other materials, not absorbance.
+    if text.strip() == "ABS" and sum(not wavelengths.heads_wavelengths(t) for t in texts) > 1:
+        own = Said()
+    return own.over(around)
+
+
+def _check_widths(sheet: Sheet, rows: list[Row], columns: int, named: bool) -> None:
+    for row in rows:
+        if len(row.cells) > columns:
+            raise InputError(
+                f"{sheet.path}:{row.line}",
+                f"{len(row.cells)} columns where the first line has {columns}",
+                "make every row as long as the first"
+                + (
+                    "; with decimal commas separate by semicolons" if sheet.separator == "," else ""
+                ),
+            )
+    if (
+        sheet.separator == ","
+        and not named
+        and columns > 2
+        and all("." not in row.text for row in rows)
+    ):
+        # 380,0,05: no reflectance is 0 at all wavelengths, or 1, and has whole numbers beside it.
+        seconds = {row.cells[1] for row in rows if len(row.cells) > 1}
+        if seconds <= {"0", "1"} and rows[0].cells[0] not in ("0", "1"):
+            raise InputError(
+                f"{sheet.path}:{rows[0].line}",
+                "decimal commas between commas",
+                "with decimal commas separate by semicolons",
+            )
+
+
+def _numbers(rows: list[Row], columns: int) -> tuple[NDArray, dict[tuple[int, int], str]]:
+    """Return all cells as numbers (k, columns), and what stands where there is none."""
+    data = np.full((len(rows), columns), np.nan)
+    words: dict[tuple[int, int], str] = {}
+    for k, row in enumerate(rows):
+        try:
+            data[k, : len(row.cells)] = [float(cell) for cell in row.cells if len(cell) < 40]
+            if "_" not in row.text:
+                continue
+        except ValueError:
+            pass
+        data[k] = np.nan
+        for column, cell in enumerate(row.cells):
+            found = value(cell)
+            if found is not None:
+                data[k, column] = found
+            elif cell:
+                words[k, column] = cell
+    return data, words
+
+
+def _groups(
+    sheet: Sheet, data: NDArray, heads: Heads, words: dict[tuple[int, int], str]
+) -> tuple[list[tuple[int, list[int]]], list[str]]:
+    """Return each column of wavelengths with those of its values, and what was left out."""
+    columns = data.shape[1]
+    notes = []
+    at = heads.wavelengths or [_unnamed(sheet, data, heads)]
+    if not heads.wavelengths and heads.named:
+        notes.append(f"column {at[0] + 1} is read as wavelengths in nm: nothing names it")
+    empty = ~np.isfinite(data).any(axis=0)
+    worded = {column for _, column in words}
+    aside = [
+        k
+        for k in range(columns)
+        if k not in at
+        and (
+            (empty[k] and (k in worded or not heads.texts[k]))
+            or (
+                wavelengths.heads_index(heads.texts[k])
+                and wavelengths.counts(data[:, k])
+                and (heads.named or k < at[0])
+            )
+        )
+    ]
+    if len(aside) + len(at) == columns:  # a mistake in the only column is told
+        aside = [k for k in aside if k < at[0] or k not in worded]
+    remarks = [f"'{plain(heads.names[k])}'" for k in aside if k in worded and k > at[0]]
+    if remarks:
+        notes.append(f"left out, for they hold no numbers: {', '.join(remarks[:4])}")
+    ends = [*at[1:], columns]
+    groups = []
+    for number, (place, end) in enumerate(zip(at, ends, strict=True)):
+        start = 0 if number == 0 else place + 1
+        values = [k for k in range(start, end) if k != place and k not in aside]
+        if values:
+            groups.append((place, values))
+    if not groups:
         raise InputError(
-            place,
-            f"covers {span}",
-            f"measure at least {NEEDED[0]:g}-{NEEDED[1]:g} nm",
+            f"{sheet.path}:{sheet.rows[0].line}",
+            "there is a wavelength column but no other",
+            "add a column of numbers, separated by comma, semicolon or tab",
         )
-    gaps = np.diff(wavelengths) * (wavelengths[1:] > NEEDED[0]) * (wavelengths[:-1] < NEEDED[1])
-    k = int(np.argmax(gaps))
-    if gaps[k] > LARGEST_GAP:
-        column = (
-            table.place(k + 1, 0) if table.sparse else f"{table.place(k + 1)}, wavelength column"
-        )
-        raise InputError(
-            column,
-            f"a gap from {wavelengths[k]:g} to {wavelengths[k + 1]:g} nm",
-            f"measure at least every {LARGEST_GAP:g} nm",
-        )
+    return groups, notes
 
 
-def _rows(path: Path) -> list[tuple[int, str]]:
-    """Return line number and text of all lines that are neither empty nor comment."""
-    try:
-        with path.open("rb") as handle:
-            start = handle.read(4096)
-        if b"\0" in start and not start.startswith((b"\xff\xfe", b"\xfe\xff")):
-            raise NoSpectra(path, "is binary, not text", "export it as CSV")
-        rows = []
-        read = 0
-        with path.open(encoding=_encoding(path, start), errors="replace", newline=None) as handle:
-            number = 0
-            while line := handle.readline(LONGEST_LINE):
-                number += 1
-                read += len(line)
-                if len(line) == LONGEST_LINE and not line.endswith("\n"):
-                    raise InputError(
-                        f"{path}:{number}",
-                        f"the line is longer than {LONGEST_LINE >> 20} MiB",
-                        "put one wavelength on each line",
-                    )
-                if read > LARGEST_FILE:
-                    raise InputError(
-                        f"{path}:{number}", "more than 256 MiB of text", "split the file"
-                    )
-                if line.strip() and not line.lstrip().startswith("#"):
-                    rows.append((number, line.rstrip("\r\n")))
-    except OSError as error:
-        raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from error
-    return rows
-
-
-def _encoding(path: Path, start: bytes) -> str:
-    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return "utf-16"
-    try:
-        with path.open(encoding="utf-8") as handle:
-            handle.read(LONGEST_LINE)
-    except UnicodeDecodeError:
-        return "latin-1"
-    return "utf-8-sig"
-
-
-def _separator(line: str) -> str:
-    return next((character for character in (";", "\t") if character in line), ",")
-
-
-def _number(text: str, decimal_comma: bool) -> float | None:
-    try:
-        return float(text.replace(",", ".") if decimal_comma else text)
-    except ValueError:
-        return None
-
-
-def _check_wavelength_header(path: Path, number: int, header: str) -> None:
-    if _MICROMETRES.search(header):
-        raise InputError(
-            f"{path}:{number}", f"'{header}' is in micrometres", "give wavelengths in nm"
-        )
-    plain = re.sub(r"[\s_()\[\]/,.:-]+", " ", header).strip().casefold()
-    if not _WAVELENGTH_HEADERS.fullmatch(plain):
+def _unnamed(sheet: Sheet, data: NDArray, heads: Heads) -> int:
+    """Return which column holds the wavelengths where no heading says it."""
+    if heads.wrong:
         raise NoSpectra(
-            f"{path}:{number}",
-            f"the first column is '{header}', not a wavelength",
+            f"{sheet.path}:{heads.line}",
+            f"the first column is '{plain(heads.texts[0])[:40]}', not a wavelength",
             "put the wavelength first and name it wavelength_nm",
         )
-
-
-def _parse(
-    path: Path, row: tuple[int, str], separator: str, decimal_comma: bool, names: list[str]
-) -> list[float]:
-    number, line = row
-    cells = line.split(separator)
-    columns = ["wavelength", *names]
-    while len(cells) > len(columns) and not cells[-1].strip():
-        cells.pop()
-    if len(cells) != len(columns):
-        raise InputError(
-            f"{path}:{number}",
-            f"{len(cells)} columns where the first line has {len(columns)}",
-            "make every row as long as the first"
-            + ("" if decimal_comma else "; with decimal commas separate by semicolons"),
+    first = data[:, 0]
+    if data.shape[1] > 2 and wavelengths.counts(first) and wavelengths.likely(data[:, 1]):
+        return 1
+    if wavelengths.counts(first) or (heads.named and not wavelengths.likely(first)):
+        raise NoSpectra(
+            f"{sheet.path}:{heads.line}",
+            "the first column counts rows, and no other is named as wavelengths",
+            "name the column of wavelengths wavelength_nm",
         )
-    values = []
-    for column, cell in zip(columns, cells, strict=True):
-        text = cell.strip().strip('"').strip()
-        value = _number(text, decimal_comma) if text else float("nan")
-        if value is None:
-            raise InputError(
-                f"{path}:{number}, column '{column}'", f"'{text[:40]}' is not a number", "mend it"
-            )
-        values.append(value)
-    return values
+    return 0
 
 
-def _check_wavelengths(path: Path, wavelengths: NDArray, lines: NDArray) -> None:
-    """Check wavelengths in ascending order (NaN last) against what nanometres can be."""
-    bad = np.flatnonzero(~np.isfinite(wavelengths) | (wavelengths <= 0))
+def _unit(sheet: Sheet, rows: list[Row], head: str, x_unit: str, values: NDArray) -> str:
+    """Return the unit of a column of wavelengths; `InputError` for one that is no length."""
+    unit = wavelengths.unit_of(head) or wavelengths.unit_of(x_unit) or wavelengths.NM
+    if unit == wavelengths.INDEX:
+        raise InputError(
+            f"{sheet.path}:{rows[0].line}",
+            f"'{plain(head or x_unit)[:40]}' is no wavelength",
+            "give wavelengths in nm",
+        )
+    return unit
+
+
+def _check(path: Path, nm: NDArray, lines: NDArray, unit: str) -> None:
+    """Check wavelengths [nm] against what they can be."""
+    bad = np.flatnonzero(~np.isfinite(nm) | (nm <= 0))
     if bad.size:
         raise InputError(
             f"{path}:{lines[bad[0]]}",
-            f"{wavelengths[bad[0]]:g} is not a wavelength",
+            f"{nm[bad[0]]:g} is not a wavelength",
             "give wavelengths in nm",
         )
-    if wavelengths[-1] < 50:
+    if nm.max() < 50:
         raise InputError(
-            f"{path}:{lines[-1]}",
-            f"the largest wavelength is {wavelengths[-1]:g}: micrometres",
-            "multiply the first column by 1000: wavelengths are in nm",
+            f"{path}:{lines[np.argmax(nm)]}",
+            f"the largest wavelength is {nm.max():g}: micrometres",
+            "name the column wavelength_um, or multiply it by 1000",
         )
-    twice = np.flatnonzero(np.diff(wavelengths) == 0)
-    if twice.size:
-        k = twice[0]
+    if wavelengths.counts(nm) and unit == wavelengths.NM:
         raise InputError(
-            f"{path}:{max(lines[k], lines[k + 1])}",
-            f"wavelength {wavelengths[k]:g} nm stands on line {min(lines[k], lines[k + 1])} too",
-            "remove one of the rows",
+            f"{path}:{lines[0]}", "the wavelengths count 1, 2, 3", "give wavelengths in nm"
         )
+
+
+def _texts_around(sheet: Sheet, rows: list[Row]) -> list[str]:
+    """Return comments and the lines before and after a block."""
+    first, last = rows[0].line, rows[-1].line
+    outside = [row.text for row in sheet.rows if not first <= row.line <= last]
+    return [text for _, text in sheet.comments[:400]] + outside[:400] + outside[-200:]

@@ -7,8 +7,11 @@ import bpy
 from ..errors import InputError
 from . import choice, operator, targets
 
-ENDINGS: tuple[str, ...] = (".cgats", ".cie", ".csv", ".cxf", ".it8", ".json", ".mat", ".sli")
-ENDINGS += (".sp", ".ti3", ".tsv", ".txt")
+_ENDINGS = (
+    ".asc .cgats .cie .csv .cxf .dat .dx .it8 .jcm .jdx .json .mat .qtx .sed "
+    ".sig .sli .sp .spd .spdx .tab .ti3 .trt .tsv .ttt .txt"
+)
+ENDINGS = tuple(_ENDINGS.split(" "))
 """Endings of reflectance files; a test holds them to `spectra.formats`, which loads too much."""
 
 

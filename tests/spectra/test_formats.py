@@ -475,7 +475,7 @@ def test_endings_are_those_of_all_formats():
 
 
 REAL = {
-    "usgs_splib07_aviris95/s07_AV95_envi.sli": (1753, 0.399),
+    "usgs_splib07_aviris95/s07_AV95_envi.sli": (1790, 0.392),
     "glazing_igsdb/igsdb_product_7406.json": (3, 0.259),
     "ptb_surfaces/sur_vrhel.mat": (170, 0.276),
 }

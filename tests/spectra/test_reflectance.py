@@ -70,6 +70,8 @@ AWKWARD = {
     "no header": rows(FRACTIONS),
     "carriage returns": [line + "\r" for line in PLAIN],
     "scientific notation": [PLAIN[0], *rows(FRACTIONS, form="{:.6e}")],
+    "micrometres in the header": ["wavelength (µm),brick"]
+    + [f"{x / 1000:g},{v:g}" for x, v in zip(X, FRACTIONS, strict=True)],
     "spaces": [line.replace(",", " , ") for line in PLAIN],
 }
 
@@ -138,7 +140,6 @@ BROKEN = {
         None,
         ["micrometres"],
     ),
-    "micrometres in the header": (["wavelength (µm),brick", "0.4,0.5"], None, ["micrometres"]),
     "under 0": (replaced(500, "500,-0.01"), None, [":14", "'brick'", "under 0"]),
     "over 1.05": (replaced(500, "500,1.3"), "fraction", [":14", "'brick'", "1.05"]),
     "over 105 percent": (replaced(500, "500,140"), None, [":14", "'brick'", "1.05"]),
@@ -151,7 +152,7 @@ BROKEN = {
         None,
         ["490 to 520 nm", ":14"],
     ),
-    "range too narrow": (PLAIN[:1] + PLAIN[4:], None, ["410-780 nm", "400-700"]),
+    "range too narrow": (PLAIN[:1] + PLAIN[6:], None, ["430-780 nm", "420-700"]),
     "ragged row": (replaced(500, "500,0.3,0.4"), None, [":14", "3 columns"]),
     "decimal commas between commas": (replaced(500, "500,0,3"), None, [":14", "semicolons"]),
 }

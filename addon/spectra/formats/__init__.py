@@ -1,22 +1,50 @@
 """Files of reflectances as the world publishes them: one module a format, one way to read all.
 
 A module has ``NAME``, ``ENDINGS``, ``recognises(path, start)`` by a file's first bytes, and
-``read(path)``, which returns a `Table`. What no module recognises is a plain table (CSV). The rules
-for what a reflectance may be are not here: `reflectance` holds them for all.
+``read(path)``, which returns a `Table`. What no module recognises is a text with numbers in columns
+or rows. The rules for what a reflectance may be are not here: `reflectance` holds them for all.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from ...errors import InputError
-from ..table import Table, read_table
-from . import cgats, checkers, cxf, ecostress, envi, igsdb, matlab, slum, splib07
+from ..curves import Table
+from ..files import start
+from ..table import read_table
+from . import (
+    cgats,
+    checkers,
+    cxf,
+    datacolor,
+    ecostress,
+    envi,
+    igdb,
+    igsdb,
+    jcamp,
+    matlab,
+    slum,
+    splib07,
+    tm27,
+)
 
-FORMATS = (envi, matlab, igsdb, cxf, cgats, ecostress, splib07, slum)
+FORMATS = (
+    envi,
+    matlab,
+    igsdb,
+    tm27,
+    cxf,
+    jcamp,
+    datacolor,
+    cgats,
+    igdb,
+    ecostress,
+    splib07,
+    slum,
+)
 
-TABLES = (".csv", ".tsv", ".txt")
-"""Endings of plain tables."""
+TABLES = (".csv", ".tsv", ".txt", ".spd", ".dat", ".asc", ".sed", ".sig", ".ttt", ".trt", ".tab")
+"""Endings of texts in columns or rows: spreadsheets', renderers' and instruments'."""
 
 ENDINGS = tuple(sorted({ending for module in FORMATS for ending in module.ENDINGS} | set(TABLES)))
 """What files of reflectances may end in, in small letters."""
@@ -28,19 +56,15 @@ def read(path: str | Path) -> Table:
     Raises
     ------
     InputError
-        What cannot be read, or is broken, with file, place and cure. `table.NoSpectra` where the
+        What cannot be read, or is broken, with file, place and cure. `curves.NoSpectra` where the
         file is whole but is about something else.
     """
     if checkers.recognises(str(path)):
         return checkers.read(str(path))
     path = Path(path)
-    try:
-        with path.open("rb") as handle:
-            start = handle.read(4096)
-    except OSError as error:
-        raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from error
+    head = start(path)
     for module in FORMATS:
-        if module.recognises(path, start):
+        if module.recognises(path, head):
             return module.read(path)
     return read_table(path)
 

@@ -12,13 +12,15 @@ from pathlib import Path
 import numpy as np
 
 from ...errors import InputError
-from ..table import NoSpectra, Table
-from .spectra import numbers, table, text, to_nm
+from .. import quantities
+from ..curves import NoSpectra, Table
+from ..files import lines as lines_of
+from .spectra import numbers, table, to_nm
 
 NAME = "ECOSTRESS"
 ENDINGS = (".txt",)
 
-_NUMBERS = re.compile(r"\s*[-+.\d][-+.\deE]*[\s,]+[-+.\d][-+.\deE]*\s*$")
+_NUMBERS = re.compile(r"\s*[-+.\d][-+.\deE]{0,40}[\s,]{1,40}[-+.\d][-+.\deE]{0,40}\s*$")
 
 
 def recognises(path: Path, start: bytes) -> bool:
@@ -32,7 +34,7 @@ def read(path: Path) -> Table:
     Raises `InputError` for units other than nm, µm, percent and fraction and for text among the
     numbers; `NoSpectra` for what is neither reflectance nor transmittance.
     """
-    lines = text(path).splitlines()
+    lines = lines_of(path)
     first = next((k for k, line in enumerate(lines) if _NUMBERS.match(line)), len(lines))
     fields = {}
     for line in lines[:first]:
@@ -40,7 +42,8 @@ def read(path: Path) -> Table:
         if colon:
             fields.setdefault(key.strip().casefold(), value.strip())
     measured = fields.get("y units", "")
-    if not re.search("reflectan|transmit", measured, re.IGNORECASE):
+    said = quantities.said(measured)
+    if said.quantity not in (quantities.REFLECTANCE, quantities.TRANSMITTANCE):
         raise NoSpectra(path, f"holds '{measured}'", "give reflectance or transmittance")
     data = numbers(path, [line.replace(",", " ") for line in lines[first:]], first + 1, 2)
     if not len(data):
@@ -50,11 +53,13 @@ def read(path: Path) -> Table:
     classes = [fields.get(key, "") for key in ("type", "class", "subclass")]
     return table(
         path,
-        [f"{fields['name'] or path.stem} {sample}"],
+        [f"{fields.get('name') or path.stem} {sample}"],
         to_nm(path, data[:, 0], unit[1] if unit else ""),
         # Deleted channels of spectra that come from the USGS.
         np.where(data[:, 1:] < -1e30, np.nan, data[:, 1:]),
-        unit="percent" if "percent" in measured.casefold() else None,
+        format=NAME,
+        unit=said.unit,
+        quantity=said.quantity,
         classes=[", ".join(word for word in classes if word and word.casefold() != "none")],
         lines=np.arange(first + 1, first + 1 + len(data)),
     )

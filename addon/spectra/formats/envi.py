@@ -13,14 +13,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ..table import NoSpectra, Table
-from .spectra import content, table, to_nm
+from .. import quantities
+from ..curves import NoSpectra, Table
+from ..files import content, number, regular
+from .spectra import table, to_nm
 
 NAME = "ENVI spectral library"
 ENDINGS = (".sli",)
 
 _TYPES = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4", 14: "i8", 15: "u8"}
-_FIELD = re.compile(r"^([^={}\n]+)=[ \t]*(\{[^}]*\}|[^\n]*)", re.MULTILINE)
 _NO_SAMPLE = re.compile(r"(wavelengths?|resolution|bandpass|error bars?)\b", re.IGNORECASE)
 _LARGEST = 1 << 28  # values
 
@@ -73,7 +74,9 @@ def read(path: Path) -> Table:
         [names[k] for k in samples],
         to_nm(header, wavelengths, fields.get("wavelength units", "")),
         values[samples].T,
+        format=NAME,
         unit="fraction" if factor else None,
+        quantity=quantities.said(fields.get("z plot titles", "").partition(",")[2]).quantity,
     )
 
 
@@ -84,27 +87,43 @@ def _fields(header: Path) -> dict[str, str]:
     found = content(header).decode("utf-8", errors="replace")
     if not found.lstrip("\ufeff").startswith("ENVI"):
         raise InputError(header, "is no ENVI header", "its first line is ENVI")
-    return {
-        key.strip().casefold(): value.strip().removeprefix("{").removesuffix("}").strip()
-        for key, value in _FIELD.findall(found)
-    }
+    fields: dict[str, str] = {}
+    at = 0
+    while at < len(found):  # a brace that is never closed is looked for once
+        end = found.find("\n", at)
+        end = len(found) if end < 0 else end
+        key, equals, value = found[at:end].partition("=")
+        value = value.strip()
+        if value.startswith("{") and "{" not in key and "}" not in key:
+            close = found.find("}", at)
+            if close < 0:
+                raise InputError(header, f"{key.strip()[:40]}: a brace is not closed", "mend it")
+            value = found[found.index("{", at) + 1 : close].strip()
+            end = max(found.find("\n", close), close)
+        if equals and key.strip():
+            fields[key.strip().casefold()] = value
+        at = end + 1
+    return fields
 
 
 def _whole(header: Path, fields: dict[str, str], key: str) -> int:
     try:
-        value = int(fields.get(key, "1" if key == "bands" else ""))
+        value = int(fields.get(key, "1" if key == "bands" else "")[:20])
     except ValueError:
         value = 0
     if not 0 < value <= _LARGEST:
-        raise InputError(header, f"says {key} = {fields.get(key, 'nothing')}", "mend the header")
+        said = fields.get(key, "nothing")[:40]
+        raise InputError(header, f"says {key} = {said}", "mend the header")
     return value
 
 
 def _numbers(header: Path, fields: dict[str, str], key: str) -> list[float]:
-    try:
-        return [float(cell) for cell in fields.get(key, "").split(",") if cell.strip()]
-    except ValueError as error:
-        raise InputError(header, f"{key}: {error}", "mend the header") from None
+    cells = [cell.strip() for cell in fields.get(key, "").split(",") if cell.strip()]
+    found = [number(cell) for cell in cells]
+    if None in found:
+        wrong = cells[found.index(None)][:40]
+        raise InputError(header, f"{key}: '{wrong}' is no number", "mend the header")
+    return [value for value in found if value is not None]
 
 
 def _factor(header: Path, fields: dict[str, str]) -> float | None:
@@ -113,12 +132,9 @@ def _factor(header: Path, fields: dict[str, str]) -> float | None:
     if not said:
         title = re.search(r"reflectance\s*\[\s*\*\s*(\d+)\s*\]", fields.get("z plot titles", ""), 2)
         said = title[1] if title else ""
-    try:
-        factor = float(said) if said else None
-    except ValueError:
-        factor = 0.0
-    if factor is not None and not factor > 0:
-        raise InputError(header, f"says reflectance scale factor = {said}", "mend the header")
+    factor = number(said) if said else None
+    if said and (factor is None or not 0 < factor < np.inf):
+        raise InputError(header, f"says reflectance scale factor = {said[:40]}", "mend the header")
     return factor
 
 
@@ -128,25 +144,30 @@ def _values(
     """Return the spectra (count, channels), NaN where the header says that there is no data."""
     kind, order = fields.get("data type", ""), fields.get("byte order", "0")
     if kind not in map(str, _TYPES) or order not in ("0", "1"):
-        raise InputError(header, f"says data type = {kind}, byte order = {order}", "mend it")
+        said = f"data type = {kind[:20]}, byte order = {order[:20]}"
+        raise InputError(header, f"says {said}", "mend it")
     dtype = np.dtype("<>"[int(order)] + _TYPES[int(kind)])
     data = path if path.suffix.lower() != ".hdr" else _data_of(path)
-    offset = int(fields.get("header offset") or 0)
+    offset = number(fields.get("header offset") or "0")
+    if offset is None or not 0 <= offset < 1 << 40:
+        raise InputError(header, "says an odd header offset", "mend the header")
+    offset = int(offset)
     needed = channels * count * dtype.itemsize
     if channels * count > _LARGEST:
         raise InputError(header, f"says {count} spectra of {channels} channels", "split it")
     try:
-        size = data.stat().st_size
+        size = regular(data)
         if size < offset + needed:
             raise InputError(data, f"has {size} bytes of {offset + needed}", "take it anew")
         raw = np.fromfile(data, dtype, channels * count, offset=offset)
     except OSError as error:
         raise InputError(data, f"cannot be read ({error.strerror})", "check the path") from error
-    values = raw.astype(float).reshape(count, channels)
+    with np.errstate(all="ignore"):  # any bits may be a number
+        values = raw.astype(float).reshape(count, channels)
     ignored = fields.get("data ignore value")
     if ignored:
-        value = _numbers(header, fields, "data ignore value")[0]
-        values[np.isclose(values, value, rtol=1e-5, atol=1e-12)] = np.nan
+        for value in _numbers(header, fields, "data ignore value")[:1]:
+            values[np.isclose(values, value, rtol=1e-5, atol=1e-12)] = np.nan
     values[values < -1e30] = np.nan
     return values
 

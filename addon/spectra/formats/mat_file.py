@@ -13,8 +13,9 @@ from typing import Any
 
 import numpy as np
 
-LARGEST = 1 << 28
-"""Bytes of a variable, unpacked."""
+UNPACKED = 1 << 24
+"""Bytes of all variables, unpacked, or 64 times as many as are packed: surfaces are packed to a
+half, and zeros alone to a thousandth."""
 
 _TYPES = {
     1: "i1",
@@ -57,10 +58,15 @@ def variables(content: bytes) -> dict[str, Any]:
 
 def _bodies(data: bytes, order: str) -> Iterator[bytes]:
     """Yield what is in each variable, unpacked."""
+    left = max(UNPACKED, 64 * len(data))
     for kind, body in _elements(data, order):
         if kind == _COMPRESSED:
-            unpacked = zlib.decompressobj().decompress(body, LARGEST)
-            kind, body = next(_elements(unpacked, order))
+            packed = zlib.decompressobj()
+            unpacked = packed.decompress(body, left)
+            if packed.unconsumed_tail:
+                raise BrokenFile("it unpacks to far more than it holds")
+            left -= len(unpacked) - (len(unpacked) > 0)
+            kind, body = _next(_elements(unpacked, order))
         if kind == _MATRIX:
             yield body
 
@@ -90,7 +96,8 @@ def _matrix(body: bytes, order: str, depth: int = 0) -> tuple[str, Any]:
     shape = tuple(_numbers(*_next(parts), order).astype(int).tolist())
     name = _next(parts)[1].decode("latin-1")
     count = int(np.prod(shape, dtype=float))
-    if min(shape, default=0) < 0 or count > LARGEST or depth > _DEPTH:
+    # Each number takes a byte at least, each cell or record an element of eight.
+    if min(shape, default=-1) < 0 or count > len(body) or depth > _DEPTH:
         raise BrokenFile(f"'{name[:40]}' is of size {shape}")
     if flags in _NUMBERS:
         return name, _numbers(*_next(parts), order).reshape(shape, order="F")
@@ -100,9 +107,11 @@ def _matrix(body: bytes, order: str, depth: int = 0) -> tuple[str, Any]:
     if flags == _CELL:
         return name, [_matrix(_next(parts)[1], order, depth + 1)[1] for _ in range(count)]
     if flags == _STRUCT:
-        length = int(_numbers(*_next(parts), order)[0])
+        length = max(int(_numbers(*_next(parts), order)[0]), 1)
         text = _next(parts)[1].decode("latin-1")
         fields = [text[k : k + length].partition("\0")[0] for k in range(0, len(text), length)]
+        if count * len(fields) > len(body) or not fields:
+            raise BrokenFile(f"'{name[:40]}' has {count} records")
         rows = [
             [_matrix(_next(parts)[1], order, depth + 1)[1] for _ in fields] for _ in range(count)
         ]

@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ..table import NoSpectra, Table
+from ..curves import NoSpectra, Table
+from ..files import content
+from ..merging import together
 from .mat_file import BrokenFile, variables
-from .spectra import content, table, to_nm, together
+from .spectra import table, to_nm
 
 NAME = "MATLAB"
 ENDINGS = (".mat",)
@@ -59,7 +61,7 @@ def read(path: Path) -> Table:
     if not curves:
         raise NoSpectra(path, "holds neither sur_ and S_ nor data and wavelength", "give surfaces")
     everywhere, together_ = together(path, curves)
-    return table(path, names, everywhere, together_, notes=notes)
+    return table(path, names, everywhere, together_, format=NAME, notes=notes)
 
 
 def _sets(path: Path, found: dict[str, Any]) -> list[tuple[str, NDArray, NDArray]]:
@@ -84,7 +86,7 @@ def _sets(path: Path, found: dict[str, Any]) -> list[tuple[str, NDArray, NDArray
 def _matrix(path: Path, key: str, value: Any, rows: float | None) -> NDArray[np.float64]:
     """Return a variable as a matrix of numbers with so many rows."""
     matrix = value if isinstance(value, np.ndarray) else np.empty(0)
-    if matrix.ndim != 2:
+    if matrix.ndim != 2 or not matrix.size or matrix.dtype.kind not in "fiu":
         raise InputError(f"{path}, {key}", "is no matrix of numbers", "give one")
     if rows is not None and matrix.shape[0] != rows:
         raise InputError(
@@ -106,7 +108,7 @@ def _labels(found: dict[str, Any], key: str, count: int) -> list[str]:
 
 
 def _words(label: Any) -> str:
-    """Return the text in nested cells."""
+    """Return the text in nested cells, or in a matrix of characters."""
     while isinstance(label, list):
         label = label[0] if label else ""
     return label if isinstance(label, str) else ""

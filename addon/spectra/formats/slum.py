@@ -10,7 +10,8 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from ..table import Table, read_table
+from ..curves import Table
+from ..table import read_table
 
 NAME = "SLUM"
 ENDINGS = (".csv",)
@@ -40,4 +41,4 @@ def recognises(path: Path, start: bytes) -> bool:
 def read(path: Path) -> Table:
     """Read the table, with what each sample is. Raises as `read_table` does."""
     read = read_table(path)
-    return replace(read, classes=tuple(KINDS.get(name[:1], "") for name in read.names))
+    return replace(read, format=NAME, classes=tuple(KINDS.get(name[:1], "") for name in read.names))

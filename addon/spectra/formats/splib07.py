@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ..table import NoSpectra, Table
-from .spectra import numbers, table, text, to_nm
+from ..curves import NoSpectra, Table
+from ..files import lines as lines_of
+from .spectra import numbers, table, to_nm
 
 NAME = "USGS splib07"
 ENDINGS = (".txt",)
@@ -43,10 +44,11 @@ def read(path: Path) -> Table:
     Raises `InputError` for text among the numbers, and where no file of as many wavelengths lies in
     its folder or above; `NoSpectra` for files of wavelengths, bandpasses and errors.
     """
-    title, *lines = text(path).splitlines()
+    title, *lines = lines_of(path)
     match = _TITLE.match(title)
-    assert match is not None
-    name = match["name"]
+    if match is None:  # UTF-16, or cut
+        raise InputError(path, "has no title", "take it anew")
+    name = match["name"].strip()
     if _NO_SAMPLE.match(name) or _NO_SAMPLE.match(path.name):
         raise NoSpectra(path, "holds no reflectances", "give the file of a sample")
     values = numbers(path, lines, 2, 1)
@@ -59,7 +61,9 @@ def read(path: Path) -> Table:
         [name],
         wavelengths,
         values,
+        format=NAME,
         unit="fraction",
+        quantity="transmittance" if re.search(r"TRAN", name.split()[-1]) else "reflectance",
         classes=[words],
         lines=np.arange(2, 2 + len(values)),
     )
@@ -115,4 +119,4 @@ def _wavelengths(path: Path, name: str, count: int) -> NDArray[np.float64]:
 
 @lru_cache(maxsize=64)
 def _read(file: Path, changed: int) -> NDArray[np.float64]:
-    return to_nm(file, numbers(file, text(file).splitlines()[1:], 2, 1)[:, 0], "micrometres")
+    return to_nm(file, numbers(file, lines_of(file)[1:], 2, 1)[:, 0], "micrometres")

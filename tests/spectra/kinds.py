@@ -1,0 +1,451 @@
+"""Small files of spectra as instruments, databases and spreadsheets write them, made here.
+
+Each writes one reflectance, `RED`, or says in its name what else; measured by nobody.
+"""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+
+
+def red(nm):
+    """A smooth reflectance, dark in blue and bright in red."""
+    return 0.05 + 0.55 / (1.0 + np.exp(-(np.asarray(nm, dtype=float) - 590.0) / 15.0))
+
+
+NM = np.arange(380.0, 781.0, 5.0)
+RED = red(NM)
+GREY = np.full(NM.size, 0.3)
+
+
+def rows(*columns, sep=",", form="{:.5f}", x=NM, x_form="{:g}"):
+    """Lines of numbers, wavelengths first."""
+    numbers = zip(*columns, strict=True)
+    return [
+        sep.join([x_form.format(nm), *(form.format(v) for v in values)])
+        for nm, values in zip(x, numbers, strict=True)
+    ]
+
+
+def text(*lines):
+    """Lines as bytes."""
+    flat = [one for line in lines for one in ([line] if isinstance(line, str) else line)]
+    return ("\r\n".join(flat) + "\r\n").encode()
+
+
+def comma(lines):
+    """Lines with decimal commas."""
+    return [line.replace(".", ",") for line in lines]
+
+
+TENS = np.arange(400, 701, 10)
+
+
+def in_rows(head, *names, scale=1.0, x=TENS, lead=(), sep=",", form="{:.4f}"):
+    """A heading of wavelengths, and a line for each name; all red."""
+    first, cell = head
+    lines = [sep.join([first, *(one for one, _ in lead), *(cell.format(nm) for nm in x)])]
+    for name in names:
+        values = (form.format(scale * v) for v in red(x))
+        lines.append(sep.join([name, *(one for _, one in lead), *values]))
+    return lines
+
+
+def jcamp(units, values, *, x="NANOMETERS", at=NM, form="xy", title="RED"):
+    """A file of one block, as pairs or as ordinates at even steps."""
+    head = [
+        f"##TITLE= {title}",
+        "##JCAMP-DX= 5.01 $$ a test",
+        "##DATA TYPE= UV/VIS SPECTRUM",
+        f"##XUNITS= {x}",
+        f"##YUNITS= {units}",
+        "##XFACTOR= 1.0",
+        f"##YFACTOR= {1.0 if form == 'xy' else 0.0001}",
+        f"##FIRSTX= {at[0]:g}",
+        f"##LASTX= {at[-1]:g}",
+        f"##NPOINTS= {at.size}",
+    ]
+    if form == "xy":
+        data = [f"{nm:g}, {v:.6f}" for nm, v in zip(at, values, strict=True)]
+        return text(head, "##XYPOINTS= (XY..XY)", data, "##END=")
+    whole = np.round(np.asarray(values) * 1e4).astype(int)
+    return text(head, "##XYDATA= (X++(Y..Y))", packed(at, whole, form), "##END=")
+
+
+def packed(at, whole, form):
+    """Ordinates in lines of ten as AFFN, PAC, SQZ or DIF with DUP."""
+
+    def letter(number, plus, minus):
+        digits = str(abs(number))
+        return (minus[int(digits[0]) - 1] if number < 0 else plus[int(digits[0])]) + digits[1:]
+
+    lines = []
+    for k in range(0, len(whole), 10):
+        some = whole[k : k + 10].tolist()
+        if form == "AFFN":
+            lines.append(" ".join([f"{at[k]:g}", *map(str, some)]))
+        elif form == "PAC":
+            lines.append(f"{at[k]:g}" + "".join(f"{v:+d}" for v in some))
+        elif form == "SQZ":
+            squeezed = "".join(letter(v, "@ABCDEFGHI", "abcdefghi") for v in some)
+            lines.append(f"{at[k]:g}{squeezed}")
+        else:
+            # Each line but the last ends with the value that the next begins with, as a check.
+            part = whole[k : k + 11].tolist()
+            line = f"{at[k]:g}" + letter(part[0], "@ABCDEFGHI", "abcdefghi")
+            steps, j = np.diff(part).tolist(), 0
+            while j < len(steps):
+                again = 1
+                while j + again < len(steps) and steps[j + again] == steps[j]:
+                    again += 1
+                line += letter(steps[j], "%JKLMNOPQR", "jklmnopqr")
+                line += "" if again == 1 else " STUVWXYZs"[again] if again < 10 else "S0"
+                j += again
+            lines.append(line)
+    return lines
+
+
+def qtx(scale=100.0):
+    """Two samples of Datacolor's."""
+    values = ",".join(f"{scale * v:.6f}" for v in RED)
+    other = ",".join(f"{scale * v:.6f}" for v in GREY)
+    return text(
+        "[STANDARD_DATA 0]",
+        "STD_NAME=Red",
+        f"STD_REFLPOINTS={NM.size},",
+        "STD_REFLINTERVAL=5,",
+        "STD_REFLLOW=380,",
+        "STD_VIEWING=SCI",
+        f"STD_R={values}",
+        "[BATCH_DATA 0 1]",
+        "BAT_NAME=Grey",
+        "BAT_REFLINTERVAL=5",
+        "BAT_REFLLOW=380",
+        f"BAT_R={other}",
+    )
+
+
+def cxf2(attribute=""):
+    """A sample of GretagMacbeth's."""
+    values = "".join(f'<Value Name="{nm:g}">{v:.5f}</Value>' for nm, v in zip(NM, RED, strict=True))
+    return (
+        '<?xml version="1.0"?><CXF xmlns="http://www.gretagmacbeth.com/CxF"><SampleSet><Sample>'
+        f"<Name>Red</Name><SampleAttribute><Spectrum {attribute}>{values}</Spectrum>"
+        "</SampleAttribute></Sample></SampleSet></CXF>"
+    ).encode()
+
+
+def tm27(quantity="reflectance"):
+    """A spectrum as lighting engineers exchange it."""
+    data = "".join(
+        f'<SpectralData wavelength="{nm:g}">{v:.5f}</SpectralData>'
+        for nm, v in zip(NM, RED, strict=True)
+    )
+    return (
+        '<?xml version="1.0" encoding="utf-8"?><IESTM2714 xmlns="http://www.ies.org/iestm2714" '
+        'version="1.0"><Header><Description>Red</Description></Header><SpectralDistribution>'
+        f"<SpectralQuantity>{quantity}</SpectralQuantity>{data}</SpectralDistribution></IESTM2714>"
+    ).encode()
+
+
+def cgats(*, field="SPEC_{:g}", scale=1.0, more="", names=("Red",), quote='"', sep=" ", fit=True):
+    """Samples as measuring programs write them."""
+    fields = sep.join(["SAMPLE_ID", "SAMPLE_NAME", *(field.format(nm) for nm in NM)])
+    lines = [
+        sep.join([str(k), f"{quote}{name}{quote}", *(f"{scale * v:.6f}" for v in RED)])
+        for k, name in enumerate(names, 1)
+    ]
+    return text(
+        "CGATS.17",
+        *([more] if more else []),
+        f"NUMBER_OF_FIELDS {NM.size + 2}",
+        "BEGIN_DATA_FORMAT",
+        fields,
+        "END_DATA_FORMAT",
+        f"NUMBER_OF_SETS {len(names)}",
+        "BEGIN_DATA",
+        lines,
+        "END_DATA",
+    )
+
+
+def igdb():
+    """A pane of the International Glazing Database: 0.8 goes through, 0.075 comes back."""
+    numbers = [f"{nm / 1000:.3f}\t0.8000\t0.0750\t0.0800" for nm in NM]
+    return text(
+        "{ Units, Wavelength Units } SI Microns",
+        "{ Thickness } 3.048",
+        "{ IR Transmittance } TIR=0",
+        "{ Product Name: Clear }",
+        "{ Type: Monolithic }",
+        numbers,
+    )
+
+
+def igsdb_2(diffuse=False):
+    """The same as version 2 of the database's JSON; 0.2 of it scattered, if asked for."""
+    data = []
+    for nm in NM:
+        through = {"tf": "0.6" if diffuse else "0.8", "tb": "0.8", "rf": "0.075", "rb": 0.08}
+        row = {"w": f"{nm / 1000:.3f}", "specular": through}
+        if diffuse:
+            row["diffuse"] = {"tf": 0.2, "rf": 0.0, "rb": None}
+        data.append(row)
+    blocks = [
+        {
+            "incidence_angle": 60,
+            "wavelength_data": [{**row, "specular": {"tf": 0}} for row in data],
+        },
+        {"incidence_angle": 0, "wavelength_data": data},
+    ]
+    optical = {"optical_data": {"angle_blocks": blocks}}
+    product = {"name": "Clear", "physical_properties": {"optical_properties": optical}}
+    return json.dumps(product).encode()
+
+
+PERCENT = 100.0 * RED
+KNOWN = {
+    "spreadsheet, quoted names": ("a.csv", text('wl,"Red, matt"', rows(RED))),
+    "spreadsheet, blank rows and columns": (
+        "a.csv",
+        text("wavelength,red,,", [f"{row},," for row in rows(RED)], ",,,", "", ",,,"),
+    ),
+    "spreadsheet, two headings": ("a.csv", text("Wavelength,Red", "nm,%", rows(PERCENT))),
+    "spreadsheet, names over quantities": (
+        "a.csv",
+        text("Sample:,Red", "Wavelength [nm],Reflectance [%]", rows(PERCENT)),
+    ),
+    "spreadsheet, a title": ("a.csv", text("Paints of 2024,", "wavelength,Red", rows(RED))),
+    "spreadsheet, cells in percent": (
+        "a.csv",
+        text("wavelength;Rot", comma(f"{row}%" for row in rows(PERCENT, sep=";"))),
+    ),
+    "spreadsheet, all quoted": (
+        "a.csv",
+        text(
+            '"Wellenlänge (nm)","Rot"',
+            comma(f'"{nm:g}"|"{v:.5f}"' for nm, v in zip(NM, RED, strict=True)),
+        ).replace(b"|", b","),
+    ),
+    "spreadsheet, a heading of two lines": ("a.csv", text('"Wavelength\n(nm)",red', rows(RED))),
+    "remarks beside it": (
+        "a.csv",
+        text(
+            "nm,red,remark", [f"{row},{'ok' if k % 2 else ''}" for k, row in enumerate(rows(RED))]
+        ),
+    ),
+    "UTF-16 without a mark": (
+        "a.csv",
+        text("nm;red", rows(RED, sep=";")).decode().encode("utf-16-le"),
+    ),
+    "UTF-16, big end first": (
+        "a.csv",
+        text("nm;red", rows(RED, sep=";")).decode().encode("utf-16-be"),
+    ),
+    "R, row names": (
+        "a.csv",
+        text('"","wl","red"', [f'"{k}",{row}' for k, row in enumerate(rows(RED), 1)]),
+    ),
+    "R, write.table": (
+        "a.txt",
+        text('"wl" "red"', [f'"{k}" {row}' for k, row in enumerate(rows(RED, sep=" "), 1)]),
+    ),
+    "pandas, an index of wavelengths": ("a.csv", text(",red", rows(RED))),
+    "pandas, an index of rows": (
+        "a.csv",
+        text(",wavelength,red", [f"{k},{row}" for k, row in enumerate(rows(RED))]),
+    ),
+    "pixels before wavelengths": (
+        "a.csv",
+        text("Pixel,Wavelength,R", [f"{k},{row}" for k, row in enumerate(rows(RED))]),
+    ),
+    "R, rows are samples": (
+        "a.csv",
+        text(in_rows(('""', '"X{:g}"'), '"1"', '"2"')),
+    ),
+    "rows are samples, Konica Minolta": (
+        "a.csv",
+        text(
+            in_rows(
+                ("Data Name", "{:g}nm"),
+                "Red",
+                scale=100,
+                lead=(("Date", "2024/01/01"), ("L*", "40.1")),
+            )
+        ),
+    ),
+    "rows are samples, percent in each heading": (
+        "a.txt",
+        text(in_rows(("Sample", "%R {:g} nm"), "Red", scale=100, sep="\t")),
+    ),
+    "rows are samples, decimal commas": (
+        "a.csv",
+        text(comma(in_rows(("Probe", "{:g}"), "Rot", sep=";"))),
+    ),
+    "rows are samples, from red to blue": (
+        "a.csv",
+        text(in_rows(("", "{:g}"), "Red", x=np.arange(700, 399, -10))),
+    ),
+    "one row with a heading": (
+        "a.csv",
+        text(in_rows(("Wavelength (nm)", "{:g}"), "Reflectance (%)", scale=100)),
+    ),
+    "renderer": ("a.spd", text("# a red paint", rows(RED, sep=" "))),
+    "renderer, tabs": ("a.dat", text(rows(RED, sep="\t", x_form="{:.3f}"))),
+    "many blanks": (
+        "a.txt",
+        text(
+            "  Wavelength (nm)   Reflectance (%)", [f"   {r}" for r in rows(PERCENT, sep="      ")]
+        ),
+    ),
+    "names in a comment": ("a.dat", text("# lambda[nm]  red", rows(RED, sep="  "))),
+    "micrometres": ("a.csv", text("Wavelength (µm),red", rows(RED, x=NM / 1000, x_form="{:.4f}"))),
+    "Ångström": ("a.csv", text("Wavelength [Å],red", rows(RED, x=NM * 10))),
+    "wavenumbers": ("a.csv", text("Wavenumber (cm-1),red", rows(RED, x=1e7 / NM, x_form="{:.6f}"))),
+    "Cary": (
+        "a.csv",
+        text(
+            "Red,,Grey,,",
+            "Wavelength (nm),%R,Wavelength (nm),%R,",
+            [f"{a},{b}," for a, b in zip(rows(PERCENT), rows(100 * GREY, x=NM + 1), strict=True)][
+                ::-1
+            ],
+            "",
+            "Red",
+            "Collection Time                   1/1/2024 10:00:00 AM",
+            "Start (nm)                        780.0",
+            "Y Mode                            %R",
+        ),
+    ),
+    "OceanView": (
+        "a.txt",
+        text(
+            "Data from red_001.txt Node",
+            "",
+            "Date: Tue Mar 18 08:44:17 EST 2014",
+            "Integration Time (sec): 2.000000E-2",
+            "XAxis mode: Wavelengths",
+            "Number of Pixels in Spectrum: 81",
+            ">>>>>Begin Spectral Data<<<<<",
+            rows(PERCENT, sep="\t"),
+            ">>>>>End Spectral Data<<<<<",
+        ),
+    ),
+    "AvaSoft 7": (
+        "a.ttt",
+        text(
+            "0804016U1- ",
+            "Integration time: 100.00 ms",
+            "Data measured with spectrometer name: 0804016U1" + "\0" * 9,
+            "Wave   ;Reflectance",
+            "[nm]   ;[% reflectance]",
+            rows(PERCENT, sep=";"),
+        ),
+    ),
+    "AvaSoft 8": (
+        "a.txt",
+        text(
+            "Data from measurement red",
+            "Wave\tSample\tDark\tReference\tReflectance",
+            "[nm]\t[counts]\t[counts]\t[counts]\t[%]",
+            comma(rows(9e4 * RED, 900 * GREY, 3e5 * GREY, PERCENT, sep="\t")),
+        ),
+    ),
+    "ASD": (
+        "a.txt",
+        text(
+            "",
+            "Text conversion of header file C:\\spec\\a.asd",
+            " -------------",
+            "VNIR integration time : 34",
+            "xmin = 350 xmax= 2500",
+            "Wavelength\ta.asd",
+            rows(RED, sep="\t", form="{:.6E}"),
+        ),
+    ),
+    "Spectral Evolution": (
+        "a.sed",
+        text(
+            "Version: 2.2",
+            "Measurement: REFLECTANCE",
+            "Columns [4]:",
+            "Data:",
+            "Wvl\tRad. (Ref.)\tRad. (Target)\tReflect. %",
+            rows(3 + GREY, 3 * RED, PERCENT, sep="\t"),
+        ),
+    ),
+    "Jasco": (
+        "a.txt",
+        text(
+            "TITLE\tred",
+            "ORIGIN\tJASCO",
+            "XUNITS\tNANOMETERS",
+            "YUNITS\t%R",
+            f"NPOINTS\t{NM.size}",
+            "XYDATA",
+            rows(PERCENT, sep="\t")[::-1],
+            "",
+            "[Comments]",
+            "Sample name\tred",
+        ),
+    ),
+    "Shimadzu": (
+        "a.txt",
+        text('"red - RawData"', '"Wavelength nm."\t"R%"', rows(PERCENT, sep="\t")),
+    ),
+    "PerkinElmer": (
+        "a.asc",
+        text(
+            "PE UV       SUBTECH     SPECTRUM    ASCII       PEDS        4.00",
+            "-1",
+            "nm",
+            "%R",
+            "#DATA",
+            rows(PERCENT, sep="\t"),
+        ),
+    ),
+    "SQZ": ("a.jdx", jcamp("REFLECTANCE", RED, form="SQZ")),
+    "PAC": ("a.jdx", jcamp("REFLECTANCE", RED, form="PAC")),
+    "AFFN": ("a.dx", jcamp("REFLECTANCE", RED, form="AFFN")),
+    "DIF and DUP": ("a.jdx", jcamp("REFLECTANCE", RED, form="DIF")),
+    "percent in JCAMP": ("a.jdx", jcamp("% REFLECTANCE", PERCENT)),
+    "wavenumbers in JCAMP": ("a.jdx", jcamp("REFLECTANCE", RED, x="1/CM", at=1e7 / NM)),
+    "absorbance in JCAMP": ("a.jdx", jcamp("ABSORBANCE", -np.log10(RED))),
+    "absorbance": ("a.csv", text("Wavelength (nm),Abs", rows(-np.log10(RED)))),
+    "log(1/R)": ("a.csv", text("nm,log(1/R)", rows(-np.log10(RED)))),
+    "Kubelka-Munk": ("a.csv", text("nm,K/S", rows((1 - RED) ** 2 / (2 * RED), form="{:.7f}"))),
+    "QTX": ("a.qtx", qtx()),
+    "CxF2": ("a.cxf", cxf2()),
+    "TM-27": ("a.spdx", tm27()),
+    "CGATS, 380_NM": ("a.txt", cgats(field="{:g}_NM")),
+    "CGATS, names with blanks": ("a.txt", cgats(names=("Dark red", "Red 2"), quote="", sep="\t")),
+    "CGATS, names with blanks between blanks": ("a.txt", cgats(names=("Dark red 2",), quote="")),
+    "CGATS, a norm of 30": ("a.sp", cgats(scale=30.0, more='SPECTRAL_NORM "30.0"')),
+    "percent in French": (
+        "a.csv",
+        text("Longueur d'onde (nm);Rouge - Réflectance (%)", rows(PERCENT, sep=";")),
+    ),
+    "percent in Spanish": (
+        "a.csv",
+        text("Longitud de onda;Reflectancia en porcentaje", rows(PERCENT, sep=";")),
+    ),
+    "percent in Chinese": ("a.csv", text("波长(nm),反射率(%)", rows(PERCENT))),
+    "percent in Japanese": ("a.csv", text("波長 [nm],反射率 [%]", rows(PERCENT))),
+    "fraction in German": ("a.csv", text("Wellenlänge;Reflexionsgrad [1]", rows(RED, sep=";"))),
+    "a fraction beside gloss": (
+        "a.csv",
+        text("wavelength_nm,reflectance,gloss60", rows(RED, 78 + GREY)),
+    ),
+    "a fraction beside its deviation": ("a.csv", text("nm,red,red_sd", rows(RED, 0.001 + 0 * RED))),
+    "nothing in the ultraviolet": (
+        "a.csv",
+        text("nm,red", ["300,NA", "340,#N/A", "370,n.a."], rows(RED)),
+    ),
+    "nonsense in the infrared": (
+        "a.csv",
+        text("nm,red", rows(RED), ["800,-7", "900,over", "950,1e9"]),
+    ),
+}
+"""Name → file name and bytes: `RED` is in each, to the digits written."""

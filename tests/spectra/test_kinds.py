@@ -1,0 +1,225 @@
+"""Every kind of file gives the curve that was written into it, or says in a line why not."""
+
+import numpy as np
+import pytest
+
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.spectra.curves import NoSpectra
+from spectral_skylight.addon.spectra.grid import WAVELENGTHS
+from spectral_skylight.addon.spectra.reflectance import read_all, read_one, read_reflectances
+from spectral_skylight.tests.spectra import kinds
+from spectral_skylight.tests.spectra.kinds import GREY, NM, PERCENT, RED, red, rows, text
+
+
+@pytest.fixture
+def write(tmp_path):
+    def write(name, content):
+        path = tmp_path / name
+        path.write_bytes(content)
+        return path
+
+    return write
+
+
+def assert_red(values, atol=2e-4):
+    """Rows of 10 nm are joined by cubics: a curve's own bends are off by less than this."""
+    seen = (WAVELENGTHS >= 400) & (WAVELENGTHS <= 700)
+    np.testing.assert_allclose(values[seen], red(WAVELENGTHS)[seen], atol=atol)
+
+
+@pytest.mark.parametrize(("name", "content"), kinds.KNOWN.values(), ids=kinds.KNOWN.keys())
+def test_known_kinds(write, name, content):
+    read = read_reflectances(write(name, content))
+    # In steps of 10 nm a cubic cuts the corners where red begins.
+    assert_red(read.values[0], atol=1.5e-3)
+    assert read.format and read.quantities[0] in (
+        "",
+        "reflectance",
+        "absorbance",
+        "log(1/R)",
+        "Kubelka-Munk",
+    )
+    assert len(read.quantities) == len(read.units) == len(read.names)
+
+
+def named(write, kind):
+    return read_reflectances(write(*kinds.KNOWN[kind]))
+
+
+def test_names_are_those_that_people_gave(write):
+    told = {
+        "spreadsheet, quoted names": ("Red, matt",),
+        "spreadsheet, two headings": ("Red",),
+        "spreadsheet, names over quantities": ("Red",),
+        "spreadsheet, a title": ("Red",),
+        "remarks beside it": ("red",),
+        "R, row names": ("red",),
+        "R, rows are samples": ("1", "2"),
+        "rows are samples, Konica Minolta": ("Red",),
+        "Cary": ("Red", "Grey"),
+        "QTX": ("Red", "Grey"),
+        "CxF2": ("Red",),
+        "TM-27": ("Red",),
+        "CGATS, names with blanks": ("Dark red", "Red 2"),
+        "CGATS, names with blanks between blanks": ("Dark red 2",),
+        "SQZ": ("RED",),
+        "renderer": ("a",),
+    }
+    assert {kind: named(write, kind).names for kind in told} == told
+
+
+def test_what_was_read_is_said(write):
+    said = {
+        "AvaSoft 7": ("text in columns", "reflectance", "percent"),
+        "Jasco": ("text in columns", "reflectance", "percent"),
+        "absorbance": ("CSV", "absorbance", "fraction"),
+        "rows are samples, Konica Minolta": ("CSV, samples in rows", "", "percent"),
+        "SQZ": ("JCAMP-DX", "reflectance", "fraction"),
+        "QTX": ("Datacolor QTX", "reflectance", "percent"),
+        "CGATS, a norm of 30": ("CGATS", "", "fraction"),
+        "TM-27": ("TM-27", "reflectance", "fraction"),
+    }
+    for kind, expected in said.items():
+        read = named(write, kind)
+        assert (read.format, read.quantities[0], read.units[0]) == expected
+    notes = " ".join(named(write, "absorbance").notes)
+    assert "absorbance was made reflectance or transmittance: 10^-A" in notes
+    assert "'gloss60' (gloss)" in " ".join(named(write, "a fraction beside gloss").notes)
+
+
+PANES = {
+    "IGDB": ("a.dat", kinds.igdb()),
+    "IGSDB 2": ("a.json", kinds.igsdb_2()),
+    "IGSDB 2, scattering": ("a.json", kinds.igsdb_2(diffuse=True)),
+}
+
+
+@pytest.mark.parametrize(("name", "content"), PANES.values(), ids=PANES.keys())
+def test_panes(write, name, content):
+    path = write(name, content)
+    read = read_reflectances(path)
+    assert read.names == (
+        "Clear transmittance",
+        "Clear front reflectance",
+        "Clear back reflectance",
+    )
+    np.testing.assert_allclose(read.values, [[0.8] * 81, [0.075] * 81, [0.08] * 81], atol=1e-9)
+    assert read.quantities == ("transmittance", "reflectance", "reflectance")
+    assert read_one(str(path), quantity="transmittance").names == ("Clear transmittance",)
+
+
+def test_a_comment_tells_the_unit_of_what_is_dark(write):
+    dark = text("# Diffuse reflectance of black felt, in percent", "nm,felt", rows(RED))
+    np.testing.assert_allclose(
+        read_reflectances(write("a.csv", dark)).values[0, 4], 5e-4, atol=1e-5
+    )
+    for line in (
+        "# Luftfeuchte 45 Prozent",
+        "# white standard 99 %",
+        "# lamp warmed up, in percent",
+    ):
+        assert_red(read_reflectances(write("a.csv", text(line, "nm,red", rows(RED)))).values[0])
+
+
+def test_each_column_is_decided_for_itself(write):
+    path = write("a.csv", text("nm,dull,bright,thickness", rows(RED, PERCENT, 7000 * GREY)))
+    assert_red(read_reflectances(path, column="dull").values[0])
+    assert_red(read_reflectances(path, column="bright").values[0])
+    with pytest.raises(InputError, match="'thickness': 2100 % is over"):
+        read_reflectances(path, column="thickness")
+
+
+def test_percents_in_names_are_no_units(write):
+    path = write("a.csv", text('nm,"Cotton 50 %","Grey 20%"', rows(RED, GREY)))
+    assert_red(read_reflectances(path).values[0])
+
+
+def test_noise_under_0_is_clipped_and_told(write):
+    noisy = np.where(NM < 450, -0.0006, RED)
+    read = read_reflectances(write("a.csv", text("nm,black", rows(noisy))))
+    assert read.values.min() == 0.0
+    assert any("under 0, at least -0.0006, were read as 0" in note for note in read.notes)
+    lost = np.where(NM < 450, -0.02, RED)
+    with pytest.raises(InputError, match="-0.02 is under 0"):
+        read_reflectances(write("a.csv", text("nm,black", rows(lost))))
+
+
+def test_a_start_at_420_nm_is_held_and_told(write):
+    late = NM >= 420
+    read = read_reflectances(write("a.csv", text("nm,red", rows(RED[late], x=NM[late]))))
+    assert_red(read.values[0])
+    assert read.measured == (420.0, 780.0) and "measured from 420" in read.notes[-1]
+    later = NM >= 425
+    with pytest.raises(InputError, match="covers 425-780 nm"):
+        read_reflectances(write("a.csv", text("nm,red", rows(RED[later], x=NM[later]))))
+
+
+def test_text_between_numbers_costs_its_column_alone(write):
+    lines = rows(RED, RED)
+    lines[30] = lines[30].rpartition(",")[0] + ",spilt"
+    path = write("a.csv", text("nm,good,bad", lines))
+    assert_red(read_reflectances(path, column="good").values[0])
+    with pytest.raises(InputError, match=":32, column 'bad': 'spilt' is not a number"):
+        read_reflectances(path)
+    assert read_all(path).names == ("good",)
+
+
+REFUSED = {
+    "counts": (text("Wavelength,Counts", rows(3e4 * RED)), "holds counts, not reflectance"),
+    "raw intensity": (text("Wavelength\tIntensity", rows(RED, sep="\t")), "holds counts"),
+    "radiance": (text("nm,Radiance [W m-2 sr-1 nm-1]", rows(RED)), "holds light"),
+    "irradiance in German": (text("nm;Bestrahlungsstärke (W/m²/nm)", rows(RED, sep=";")), "light"),
+    "an instrument's unit": (text("YUNITS\tmW/m2", "XYDATA", rows(RED, sep="\t")), "holds light"),
+    "absorptance": (text("nm,Absorptance", rows(RED)), "holds absorptance"),
+    "absorption of some kind": (text("nm,Absorption (%)", rows(PERCENT)), "holds absorption"),
+    "emissivity": (text("nm,Emissivity", rows(RED)), "holds emissivity"),
+    "a lamp in TM-27": (kinds.tm27("flux"), "holds light"),
+    "a display": (kinds.cgats(more='DEVICE_CLASS "DISPLAY"'), "holds light"),
+    "an emission in CGATS": (kinds.cgats(more='MEAS_TYPE "EMISSION"'), "holds light"),
+    "units that nobody knows": (kinds.jcamp("ARBITRARY UNITS", RED), "holds arbitrary units"),
+    "seconds": (kinds.jcamp("REFLECTANCE", RED, x="SECONDS"), "wavelengths in 'SECONDS'"),
+    "count of values": (
+        kinds.jcamp("REFLECTANCE", RED, form="SQZ").replace(b"NPOINTS= 81", b"NPOINTS= 80"),
+        "81 values where NPOINTS is 80",
+    ),
+    "row numbers": (
+        text(",red", [f"{k},{v:.4f}" for k, v in enumerate(RED)]),
+        "counts rows",
+    ),
+    "row numbers for wavelengths": (
+        text("wavelength,red", [f"{k},{0.4 + k / 1e4:.4f}" for k in range(1, 900)]),
+        "count 1, 2, 3",
+    ),
+    "wavelengths both ways": (
+        text(kinds.in_rows(("nm", "{:g}"), *map(str, range(400, 701, 5)))),
+        "in the heading .* and down the first column",
+    ),
+    "two tables": (
+        text("nm,red", rows(RED), "second sample", rows(GREY)),
+        "'second sample' stands among the rows of numbers",
+    ),
+    "decimal commas between commas": (
+        text(kinds.comma(rows(RED))),
+        "semicolons",
+    ),
+    "frequencies": (text("Frequency (THz),red", rows(RED)), "'Frequency"),
+    "fractions as Datacolor": (kinds.qtx(scale=1.0), "percent or fraction"),
+    "a broken difference": (
+        kinds.jcamp("REFLECTANCE", RED, form="DIF").replace(b"430E", b"430F", 1),
+        "the last line ends with",
+    ),
+}
+ENDING = {b"##": ".jdx", b"<?": ".spdx", b"[S": ".qtx", b"CG": ".ti3"}
+
+
+@pytest.mark.parametrize(("content", "said"), REFUSED.values(), ids=REFUSED.keys())
+def test_what_is_no_reflectance_is_refused_in_one_line(write, content, said):
+    path = write("a" + ENDING.get(content[:2], ".csv"), content)
+    with pytest.raises(InputError, match=said) as caught:
+        read_reflectances(path)
+    assert "\n" not in str(caught.value) and str(path) in str(caught.value)
+
+
+def test_a_file_of_light_alone_is_about_something_else(write):
+    with pytest.raises(NoSpectra):
+        read_reflectances(write("a.spdx", kinds.tm27("flux")))
