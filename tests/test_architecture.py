@@ -12,9 +12,11 @@ from pathlib import Path
 
 import pytest
 
+from spectral_skylight.addon.batch.scenes import NOT_IN_PICTURES
+
 ROOT = Path(__file__).resolve().parents[1]
 
-BASE = {"errors", "atomic_file", "progress", "whole_files"}
+BASE = {"errors", "atomic_file", "progress", "source_hash", "whole_files"}
 """Files under all rooms, of Python's own modules alone."""
 
 MAY_IMPORT = {
@@ -199,3 +201,14 @@ def test_pip_installs_every_package_with_its_data():
         held = [f for f in files if f.is_file() and f.suffix not in (".py", ".pyc", ".md")]
         found = [f.name for f in held if not any(f.match(each) for each in data.get(name, ()))]
         assert found == [], name
+
+
+def test_the_batch_hashes_every_room_that_it_reaches():
+    """Pictures are made anew after any change that may show, so no room in reach is left out."""
+    reached, left = set(), {"batch", "node_groups"}
+    while left:
+        reached |= left
+        near = {room(f.module.split(".")) for f in ALL if f.relative and of_room(f) in left}
+        left = near - reached
+    assert {"spectra", "sky", "transfer", "scene"} <= reached
+    assert not reached & {name.removesuffix(".py") for name in NOT_IN_PICTURES}

@@ -70,8 +70,10 @@ def prepare(
 def record(out: Path, blend: str) -> dict[str, Any] | None:
     """Return what is known of a prepared file, None where it is not ready.
 
-    ``scene``, ``sky``, ``variant`` and their names; ``materials``: a dictionary each, as
-    `spectral.Result`; ``notes``: lines to read; ``files``: what it reads from elsewhere.
+    ``name``: of the file; ``scene``, ``sky``, ``variant``: names of what it was made of; ``sun``:
+    elevation and azimuth [degrees], null without one; ``blender``: the version that made it;
+    ``materials``: a dictionary each, as `spectral.Result`; ``notes``: lines to read;
+    ``elsewhere``: a line for each image that is still read from another place.
     """
     path = (out / blend).with_suffix(".json")
     try:

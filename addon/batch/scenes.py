@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import difflib
-import hashlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..source_hash import ROOT, source_hash
 from .study import Study, content_hash, file_hash
 
 
@@ -107,14 +107,19 @@ def _others() -> list[str]:
     return sorted(file_hash(Path(path)) for path in paths)
 
 
+NOT_IN_PICTURES = {"ui", "commands", "evaluation", "cli.py", "registration.py"}
+"""What of `addon` decides no picture: panel, command line and laboratory. All else may."""
+
+
+def files_hash(root: Path) -> str:
+    """Return a hash of all files of the package at ``root`` that may decide pictures."""
+    rooms = [path for path in (root / "addon").iterdir() if path.name not in NOT_IN_PICTURES]
+    return source_hash(*rooms, root / "node_groups", root=root)
+
+
 def program_hash() -> str:
-    """Return a hash of our code and tables and this Blender's build, which make prepared files."""
+    """Return a hash of our files and this Blender's build, which make prepared files."""
     import bpy
 
-    digest = hashlib.sha256(bpy.app.version_string.encode() + bpy.app.build_hash)
-    root = Path(__file__).parents[2]
-    for room in ("addon/spectra", "addon/sky", "addon/transfer", "addon/scene", "node_groups"):
-        for source in sorted((root / room).rglob("*")):
-            if source.suffix in (".py", ".npz"):
-                digest.update(source.read_bytes())
-    return digest.hexdigest()[:24]
+    build = f"{bpy.app.version_string} {bpy.app.build_hash!r}"
+    return content_hash([build, files_hash(ROOT)])

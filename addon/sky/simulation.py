@@ -170,7 +170,8 @@ def simulate(
         "seed": seed,
         "sunlight": extraterrestrial_sunlight(),
     }
-    path = cache.place("sky", content, Path(__file__).parent) if cached else None
+    code = (Path(__file__).parent, Path(cache.__file__).parent)
+    path = cache.place("sky", content, *code) if cached else None
     arrays = cache.load(path)
     if arrays is None:
         arrays = _simulate(sun_elevation, atmosphere, orders, quality, seed, progress)

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..atomic_file import replacing
+from ..source_hash import source_hash
 
 
 def folder() -> Path | None:
@@ -34,9 +35,8 @@ def folder() -> Path | None:
     return base / "spectral-skylight"
 
 
-def place(kind: str, content: dict[str, Any], code: Path) -> Path | None:
-    """Return the file for a result: ``content`` is all that decides it, and a folder of ``code``
-    and of its tables.
+def place(kind: str, content: dict[str, Any], *code: Path) -> Path | None:
+    """Return the file for a result: ``content`` is all that decides it, and folders of ``code``.
 
     None where there is to be no cache.
     """
@@ -44,8 +44,7 @@ def place(kind: str, content: dict[str, Any], code: Path) -> Path | None:
     if root is None:
         return None
     digest = hashlib.sha256(json.dumps(content, sort_keys=True, default=_plain).encode())
-    for source in sorted(path for path in code.rglob("*") if path.suffix in (".py", ".npz")):
-        digest.update(source.read_bytes())
+    digest.update(source_hash(*code).encode())
     return root / f"{kind}-{digest.hexdigest()[:32]}.npz"
 
 

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon import atomic_file, cli
-from spectral_skylight.addon.batch import plan
+from spectral_skylight.addon.batch import plan, prepare
 from spectral_skylight.addon.batch.task import SCRIPTS
 from spectral_skylight.addon.scene.output import image_file, render_task
 from spectral_skylight.addon.scene.world import hdri as worlds
@@ -88,6 +88,8 @@ def test_all_pictures_are_there_and_say_what_they_are(alone, office):
     assert report["counts"] == {"done": 8} and len(report["pictures"]) == 8
     predicted = [m for p in report["prepared"].values() for m in p["materials"]]
     assert len(predicted) == 4 and all(0 <= m["matrix_delta_E"] < 3 for m in predicted)
+    for kept in report["prepared"].values():
+        assert set(kept) == set(re.findall(r"``(\w+)``", prepare.record.__doc__))
     page = (folder / "report.html").read_text(encoding="utf-8")
     links = re.findall(r'(?:src|href)="([^"]+)"', page)
     assert len(links) == 24 and all((folder / link.replace("%20", " ")).is_file() for link in links)
