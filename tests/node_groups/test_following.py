@@ -161,7 +161,8 @@ COMPILES = """
 import os, sys
 import bpy, numpy as np
 from pathlib import Path
-from spectral_skylight.addon.scene import before, materials, sky_light
+from spectral_skylight.addon.scene.materials import rgb_comparison, spectral_material
+from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.tests import faces
 
 folder = Path(sys.argv[1])
@@ -172,8 +173,8 @@ material = bpy.data.materials.new("Matt")
 mesh = faces.add_faces(scene, faces.directions(16)).data
 mesh.materials[0] = material
 give = dict(reflectance_name="", reflectance_hash="")
-materials.apply(material, world, np.eye(3), **give)
-sky_light.set_coefficients(world, np.full((25, 3), 0.1))
+spectral_material.apply(material, world, np.eye(3), **give)
+light_group.set_coefficients(world, np.full((25, 3), 0.1))
 
 def frame(name):
     before = len(os.listdir(dump))
@@ -181,20 +182,20 @@ def frame(name):
     print("compiled", len(os.listdir(dump)) - before, name, flush=True)
 
 frame("first")
-materials.update(material, np.eye(3) * 0.3 - 0.1)
+spectral_material.update(material, np.eye(3) * 0.3 - 0.1)
 frame("matrix")
-before.keep(material, {("surface", name): (0.3, 0.2, 0.1) for name in ("Row R", "Row G", "Sun")})
-assert before.show(True) == 1
+rgb_comparison.keep(material, {("surface", name): (0.3, 0.2, 0.1) for name in ("Row R", "Row G", "Sun")})
+assert rgb_comparison.show(True) == 1
 frame("before")
-assert before.show(False) == 1
-sky_light.set_coefficients(world, np.full((49, 3), 0.1))
+assert rgb_comparison.show(False) == 1
+light_group.set_coefficients(world, np.full((49, 3), 0.1))
 frame("degree")
 faces.light(scene, folder, 2)
 world.node_tree.nodes["Background"].inputs["Strength"].default_value = 2.0
 world.node_tree.nodes["Mapping"].inputs["Rotation"].default_value = (0.1, 0.2, 0.3)
 frame("strength and rotation")
 second = bpy.data.materials.new("Second")
-materials.apply(second, world, np.eye(3) * 0.5, **give)
+spectral_material.apply(second, world, np.eye(3) * 0.5, **give)
 mesh.materials.append(second)
 mesh.polygons[3].material_index = 1
 frame("another material")
