@@ -22,7 +22,7 @@ from spectral_skylight.tests.batch.small_plan import copy_plan, files, small_pla
 pytestmark = [
     pytest.mark.blender,
     pytest.mark.slow,
-    pytest.mark.skipif(bpy.app.version < (5, 1), reason="one for all Blenders: in the newest"),
+    pytest.mark.skipif(bpy.app.version < (5, 3), reason="one for all Blenders: in the newest"),
     pytest.mark.skipif(os.name == "nt", reason="kill -9 and Ctrl-C of a process are POSIX's"),
 ]
 

@@ -20,7 +20,7 @@ PLATFORMS = {  # and the end of their wheels' names, `any` apart
     "macos-arm64": r"macosx_.*_arm64",
     "macos-x64": r"macosx_.*_x86_64",
 }
-LANES = ("5.2", "5.0", "4.5")
+LANES = ("5.3", "5.2", "4.5")
 PAINTS = "nm,red,blue\n" + "".join(
     f"{nm},{0.05 + 0.5 * (nm > 590):.3f},{0.1 + 0.3 * (nm < 500):.3f}\n"
     for nm in range(380, 781, 10)
@@ -141,7 +141,7 @@ def test_installed_enabled_and_used(lane, sky, tmp_path):
 
 
 def test_without_wheels_one_sentence_says_what_to_do(tmp_path):
-    answer = blender("5.2", tmp_path, "look", archive("without-wheels"))
+    answer = blender(LANES[0], tmp_path, "look", archive("without-wheels"))
     assert not answer["poll"]
     assert answer["panel"] == answer["missing"]
     assert "install the Spectral Skylight zip made for your platform" in answer["missing"]

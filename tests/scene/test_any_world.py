@@ -24,7 +24,7 @@ from spectral_skylight.tests import exr, faces
 
 pytestmark = pytest.mark.blender
 
-newest = pytest.mark.skipif(bpy.app.version < (5, 2, 0), reason="once is enough: in 5.2")
+newest = pytest.mark.skipif(bpy.app.version < (5, 3, 0), reason="once is enough: in the newest")
 
 OBSERVER = observer("Linear Rec.709")
 NORMALS = np.concatenate([FACES[:5], [[0.36, 0.48, 0.8]]])

@@ -19,7 +19,7 @@ from spectral_skylight.tests import faces
 
 pytestmark = pytest.mark.blender
 
-newest = pytest.mark.skipif(bpy.app.version < (5, 2, 0), reason="once is enough: in 5.2")
+newest = pytest.mark.skipif(bpy.app.version < (5, 3, 0), reason="once is enough: in the newest")
 
 SETTINGS = Settings(basis="rayleigh", gloss=True)
 BRICK = ("brick", np.interp(WAVELENGTHS, [400, 560, 620, 700], [0.06, 0.1, 0.4, 0.55]))
