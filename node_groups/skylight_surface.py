@@ -21,6 +21,7 @@ import bpy
 
 from . import light_probe, normals, sky_irradiance, sky_visibility, spectral_matrix
 from . import tree as groups
+from .drivers import drive
 
 KIND = "Skylight Surface"
 VERSION = 3
@@ -157,7 +158,11 @@ def ensure(
     )
     for name, inside in parts.items():
         node = tree.nodes[name]
-        _follow(node.inputs["Strength"], -1, world, strength or ANY, constant=strength is None)
+        at = node.inputs["Strength"], "default_value", world
+        if strength is None:
+            drive(*at, ANY, factor=0.0, offset=1.0)  # by which the World is known all the same
+        else:
+            drive(*at, strength)
         if "Rotation" not in node.inputs:
             continue
         if sky_irradiance.ROTATE in inside.nodes:
@@ -167,34 +172,12 @@ def ensure(
                 node.inputs["Rotation"].driver_remove("default_value", axis)
                 node.inputs["Rotation"].default_value[axis] = 0.0
             else:
-                _follow(node.inputs["Rotation"], axis, world, f"{rotation}[{axis}]")
+                drive(node.inputs["Rotation"], "default_value", world, f"{rotation}[{axis}]", axis)
     for name in old.keys() - parts.keys():
         unused = old[name]
         if unused is not None and unused.users == 0:
             bpy.data.node_groups.remove(unused)
     return tree
-
-
-def _follow(
-    socket: bpy.types.NodeSocket,
-    axis: int,
-    world: bpy.types.World,
-    path: str,
-    constant: bool = False,
-) -> None:
-    """Let an input be a value of a World; a ``constant`` is 1 and knows the World all the same."""
-    socket.driver_remove("default_value", axis)
-    curve = socket.driver_add("default_value", axis)
-    if constant:
-        for modifier in list(curve.modifiers):
-            curve.modifiers.remove(modifier)
-        curve.modifiers.new("GENERATOR").coefficients = (1.0, 0.0)
-    driver = curve.driver
-    driver.type = "AVERAGE"  # of one value: no expression that Blender might refuse to run
-    target = driver.variables.new().targets[0]
-    target.id_type = "WORLD"
-    target.id = world
-    target.data_path = path
 
 
 def _build(

@@ -16,7 +16,7 @@ from mathutils import Matrix
 
 from ....node_groups import modifiers, sky_instance
 from ....node_groups import tree as groups
-from ..blend_data import drivers
+from ....node_groups.drivers import drive
 from ..lights import light_linking
 from . import storage
 
@@ -174,7 +174,7 @@ def _place(obj, root, at) -> None:
     obj.parent, obj.matrix_parent_inverse = root, at
     obj.hide_select = True
     for path in ("hide_render", "hide_viewport"):
-        drivers.drive(obj, path, root, path)
+        drive(obj, path, root, path)
 
 
 def _rest(collection: bpy.types.Collection, wanted: Wanted) -> bpy.types.Collection:

@@ -7,6 +7,8 @@ from collections.abc import Iterator
 import bpy
 from bpy.types import NodeSocket as Socket
 
+from ....node_groups.drivers import drive
+
 
 def take(material: bpy.types.Material, old: Socket, new: Socket) -> None:
     """Link or set an input of a material's node as another one is.
@@ -29,30 +31,6 @@ def take(material: bpy.types.Material, old: Socket, new: Socket) -> None:
         several = hasattr(old.default_value, "__len__")
         source = f"node_tree.{path}" + (f"[{axis}]" if several else "")
         drive(new, "default_value", material, source, axis if several else -1)
-
-
-def drive(
-    owner: bpy.types.bpy_struct,
-    path: str,
-    source: bpy.types.ID,
-    source_path: str,
-    axis: int = -1,
-    factor: float = 1.0,
-) -> None:
-    """Let a property, or one axis of it, be that of another datablock times a factor."""
-    owner.driver_remove(path, axis)
-    curve = owner.driver_add(path, axis)
-    curve.driver.type = "AVERAGE"  # of one value: no expression that Blender might refuse to run
-    target = curve.driver.variables.new().targets[0]
-    target.id_type = source.id_type
-    target.id = source
-    target.data_path = source_path
-    if factor != 1.0:
-        for modifier in list(curve.modifiers):
-            curve.modifiers.remove(modifier)
-        scaled = curve.modifiers.new("GENERATOR")
-        scaled.poly_order = 1
-        scaled.coefficients = (0.0, factor)
 
 
 def moves(socket: Socket) -> bool:

@@ -17,7 +17,7 @@ from mathutils import Vector
 from numpy.typing import NDArray
 
 from ....node_groups import light_probe
-from ..blend_data import drivers
+from ....node_groups.drivers import drive
 from ..world import hdri as worlds
 from . import light_linking
 
@@ -166,7 +166,7 @@ def _follow_strength(light: bpy.types.Light, world: bpy.types.World, path: str |
     emission = next(node for node in light.node_tree.nodes if node.type == "EMISSION")
     strength = emission.inputs["Strength"]
     if path is not None:
-        drivers.drive(strength, "default_value", world, path)
+        drive(strength, "default_value", world, path)
         return
     strength.driver_remove("default_value")
     strength.default_value = 1.0
@@ -183,4 +183,4 @@ def _turn_with(pivot: bpy.types.Object, world: bpy.types.World, sky: worlds.Worl
         path = worlds.value_path(world, sky.mapping, "Rotation")
         # The inverse of Rz Ry Rx is Rx Ry Rz by the negative angles.
         sign = 1.0 if sky.inverse else -1.0
-        drivers.drive(pivot, "rotation_euler", world, f"{path}[{axis}]", axis, sign)
+        drive(pivot, "rotation_euler", world, f"{path}[{axis}]", axis, sign)

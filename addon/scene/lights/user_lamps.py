@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....node_groups import light_probe
+from ....node_groups.drivers import drive
 from ...sky.panorama import LUMINANCE
 from ...spectra.working_spaces import rec709_to_working
 from ...transfer.lamps import Classes, classes, lamp_spectrum
 from ...transfer.matrices import Transfer
 from ...transfer.prefilter import balanced_rgb
-from ..blend_data import drivers
 from . import sun_lamp
 
 SPECTRUM = "spectral_skylight_spectrum"
@@ -74,9 +74,9 @@ def place(scene: bpy.types.Scene, lamps: Lamps, transfer: Transfer) -> None:
         if hasattr(twin.data, "use_temperature"):
             twin.data.use_temperature = False
         twin.constraints.new("COPY_TRANSFORMS").target = lamp
-        drivers.drive(twin.data, "energy", lamp.data, "energy", factor=light_probe.STRENGTH * Y)
+        drive(twin.data, "energy", lamp.data, "energy", factor=light_probe.STRENGTH * Y)
         for path in ("hide_render", "hide_viewport"):
-            drivers.drive(twin, path, lamp, path)
+            drive(twin, path, lamp, path)
         spectrum = lamps.classes.spectra[kind]
         sun_lamp.set_cycles_colour(twin, balanced_rgb(spectrum, transfer), channel)
 
