@@ -15,85 +15,90 @@ import bpy
 
 from . import fresnel, normals
 from . import tree as groups
+from .sockets import CYCLES, NORMAL, SHADER, alpha
+from .tree import Socket
+from .value import Value, inputs
 
 GLOSS, METAL, MIXED = KINDS = ("Spectral Gloss", "Spectral Metal", "Spectral Gloss and Metal")
 VERSION = 1
 OUTPUTS = {"Shader": "Base", "Cycles": "Base Cycles"}
 METAL_COLOURS = {"Metal Color": "Base Color", "Metal Edge": "Specular Tint"}
+WHITE = (1.0, 1.0, 1.0, 1.0)
 
+BASES = (
+    Socket("Base", "Shader", "Spectral surface below, for Eevee"),
+    Socket("Base Cycles", "Shader", "Spectral surface below, for Cycles"),
+)
+METALLIC = Socket("Metallic", "Float", "Share of the surface that is metal", 0.0)
+COLORED = (
+    Socket("Metal Color", "Color", "Color of the metal's reflection seen from the front", WHITE),
+    Socket("Metal Edge", "Color", "Tint of the metal's reflection at 82° from the normal", WHITE),
+)
 # Inputs that are the Principled BSDF's own, with its names and values.
-SHARED: tuple[groups.Socket, ...] = (
-    ("Roughness", "NodeSocketFloat", 0.5),
-    ("IOR", "NodeSocketFloat", 1.5),
-    ("Specular IOR Level", "NodeSocketFloat", 0.5),
-    ("Specular Tint", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0)),
-    ("Anisotropic", "NodeSocketFloat", 0.0),
-    ("Anisotropic Rotation", "NodeSocketFloat", 0.0),
-    ("Coat Weight", "NodeSocketFloat", 0.0),
-    ("Coat Roughness", "NodeSocketFloat", 0.03),
-    ("Coat IOR", "NodeSocketFloat", 1.5),
-    ("Coat Tint", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0)),
-    ("Emission Color", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0)),
-    ("Emission Strength", "NodeSocketFloat", 0.0),
+PRINCIPLED = (
+    Socket("Roughness", "Float", "Roughness of the reflection", 0.5),
+    Socket("IOR", "Float", "Index of refraction of the gloss", 1.5),
+    Socket("Specular IOR Level", "Float", "Amount of gloss. 0.5 leaves what the IOR gives", 0.5),
+    Socket("Specular Tint", "Color", "Tint of the gloss when seen from the front", WHITE),
+    Socket("Anisotropic", "Float", "Stretch of highlights along the tangent", 0.0),
+    Socket("Anisotropic Rotation", "Float", "Turn of that stretch. 1 is a full turn", 0.0),
+    Socket("Coat Weight", "Float", "Share of the surface under a clear coat", 0.0),
+    Socket("Coat Roughness", "Float", "Roughness of the coat", 0.03),
+    Socket("Coat IOR", "Float", "Index of refraction of the coat", 1.5),
+    Socket("Coat Tint", "Color", "Color that the coat gives to what is below it", WHITE),
+    Socket("Emission Color", "Color", "Color of the light that the surface emits", WHITE),
+    Socket("Emission Strength", "Float", "Strength of the light that the surface emits", 0.0),
+)
+COAT_NORMAL = Socket(
+    "Coat Normal",
+    "Vector",
+    "Unit normal of the coat in world space. If not connected, the shading normal is used",
 )
 
 
 def ensure(kind: str) -> bpy.types.NodeTree:
     """The group of this file that is one of `KINDS`, made or updated.
 
-    Inputs: Base and Base Cycles (the surface's shaders; metal alone shows none), those of the
-    Principled BSDF (`SHARED`), Normal and Coat Normal (world space; unlinked: the shading normal)
-    and Alpha, over all. Metals have Metal Color (reflected where faced) and Metal Edge (the tint
-    at 82°, as Blender's F82 has it), the mix has Metallic, 0 to 1. Outputs: Shader, and Cycles
-    with the other base.
+    Its inputs are those that the kind has of `BASES`, `METALLIC` and `COLORED`, then
+    `PRINCIPLED`, Normal, Coat Normal and Alpha.
     """
-    inputs: list[groups.Socket] = []
+    own: list[Socket] = []
     if kind != METAL:
-        inputs += [(base, "NodeSocketShader", None) for base in OUTPUTS.values()]
+        own += BASES
     if kind == MIXED:
-        inputs += [("Metallic", "NodeSocketFloat", 0.0)]
+        own += [METALLIC]
     if kind != GLOSS:
-        inputs += [(name, "NodeSocketColor", (1.0, 1.0, 1.0, 1.0)) for name in METAL_COLOURS]
+        own += COLORED
     return groups.ensure(
         groups.known(kind, VERSION),
         kind,
         VERSION,
-        [
-            *inputs,
-            *SHARED,
-            ("Normal", "NodeSocketVector", None),
-            ("Coat Normal", "NodeSocketVector", None),
-            ("Alpha", "NodeSocketFloat", 1.0),
-        ],
-        [(name, "NodeSocketShader", None) for name in OUTPUTS],
+        [*own, *PRINCIPLED, NORMAL, COAT_NORMAL, alpha("surface")],
+        (SHADER, CYCLES),
         partial(_build, kind=kind),
     )
 
 
 def _build(tree: bpy.types.NodeTree, kind: str) -> None:
     add = partial(groups.add, tree)
-    given = add("NodeGroupInput").outputs
+    given = inputs(tree)
     normal = normals.build(tree, given["Normal"])
     coat_normal = normals.build(tree, given["Coat Normal"])
     clear = add("ShaderNodeBsdfTransparent").outputs[0]
 
-    def principled(colours: Mapping[str, str], metallic: float) -> bpy.types.NodeSocket:
-        node = add("ShaderNodeBsdfPrincipled")
-        node.inputs["Base Color"].default_value = (0.0, 0.0, 0.0, 1.0)
-        node.inputs["Metallic"].default_value = metallic
-        shared = {name: name for name, _, _ in SHARED}
-        for source, name in {**shared, **colours}.items():
-            tree.links.new(given[source], node.inputs[name])
-        tree.links.new(normal, node.inputs["Normal"])
-        tree.links.new(coat_normal, node.inputs["Coat Normal"])
-        return node.outputs[0]
+    def principled(metallic: float, colours: Mapping[str, str]) -> bpy.types.NodeSocket:
+        shared = {socket.name: socket.name for socket in PRINCIPLED}
+        fed = {name: given[source] for source, name in {**shared, **colours}.items()}
+        fed |= {"Normal": normal, "Coat Normal": coat_normal}
+        black = (0.0, 0.0, 0.0, 1.0)
+        return add("ShaderNodeBsdfPrincipled", black, metallic, into=fed).outputs[0]
 
     gloss = share = metal = None
     if kind != METAL:
-        gloss = principled({}, 0.0)
+        gloss = principled(0.0, {})
         share = _share_left(tree, given, normal, coat_normal)
     if kind != GLOSS:
-        metal = principled(METAL_COLOURS, 1.0)
+        metal = principled(1.0, METAL_COLOURS)
     whole = []
     for base in OUTPUTS.values():
         shader = metal
@@ -105,21 +110,16 @@ def _build(tree: bpy.types.NodeTree, kind: str) -> None:
                 shader = mix.outputs[0]
         whole.append(add("ShaderNodeMixShader", given["Alpha"], clear, shader).outputs[0])
     add("NodeGroupOutput", *whole)
-    groups.arrange(tree)
 
 
-def _share_left(tree: bpy.types.NodeTree, given, normal, coat_normal) -> bpy.types.NodeSocket:
+def _share_left(
+    tree: bpy.types.NodeTree, given: Mapping[str, Value], normal: Value, coat_normal: Value
+) -> Value:
     """What gloss and coat leave of the base."""
-    op = partial(fresnel.math, tree)
     gloss = fresnel.share_reflected(
-        tree,
-        fresnel.cosine(tree, normal),
-        given["Roughness"],
-        given["IOR"],
-        given["Specular IOR Level"],
+        fresnel.cosine(tree, normal), given["Roughness"], given["IOR"], given["Specular IOR Level"]
     )
     coat = fresnel.share_reflected(
-        tree, fresnel.cosine(tree, coat_normal), given["Coat Roughness"], given["Coat IOR"]
+        fresnel.cosine(tree, coat_normal), given["Coat Roughness"], given["Coat IOR"]
     )
-    below = op("SUBTRACT", 1.0, op("MULTIPLY", coat, given["Coat Weight"]))
-    return op("MULTIPLY", below, op("SUBTRACT", 1.0, gloss))
+    return (1.0 - coat * given["Coat Weight"]) * (1.0 - gloss)

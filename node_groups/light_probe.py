@@ -17,6 +17,10 @@ import bpy
 
 from . import normals
 from . import tree as groups
+from .sockets import NORMAL
+from .sockets import STRENGTH as WORLD_STRENGTH
+from .tree import Socket
+from .value import Value, inputs, vector_math
 
 KIND = "Light Probe"
 VERSION = 1
@@ -24,29 +28,20 @@ STRENGTH = 1e5  # the World and all other lamps count 1e-5 beside it
 CYCLES_STRENGTH = 1e3  # Cycles drops a closure of less than 1e-5: even black reflects more
 SUN, GREEN, BLUE = "Sun", "Sky in Green", "Sky in Blue"  # nodes that hold a colour of one World
 
+INPUTS = (NORMAL, WORLD_STRENGTH)
+OUTPUTS = (
+    Socket("Sun", "Vector", "Sunlight that arrives: RGB irradiance divided by π"),
+    Socket("Lamp 1", "Float", "Light of the first kind of lamps, in units of their spectrum"),
+    Socket("Lamp 2", "Float", "Light of the second kind of lamps, in units of their spectrum"),
+    Socket("Sky", "Vector", "Skylight of a dome of lamps: RGB irradiance divided by π"),
+    Socket("Sun Color", "Vector", "Sunlight on a face that looks at the sun, without shadows"),
+)
+
 
 def ensure(tree: bpy.types.NodeTree | None = None) -> bpy.types.NodeTree:
-    """A `Light Probe` group: the given one, updated, its colours kept; or a new one.
-
-    Inputs: Normal (world space; unlinked: the shading normal) and Strength, the World's. Outputs,
-    as irradiance/π: Sun and Sky (RGB, the sky that a dome of lamps holds), Lamp 1 and Lamp 2; and
-    Sun Color, what the sun gives a face that looks at it, which Cycles knows too.
-    """
+    """A `Light Probe` group: the given one, updated, its colours kept; or a new one."""
     kept = {} if tree is None else {name: colour(tree, name) for name in (SUN, GREEN, BLUE)}
-    tree = groups.ensure(
-        tree,
-        KIND,
-        VERSION,
-        [("Normal", "NodeSocketVector", None), ("Strength", "NodeSocketFloat", 1.0)],
-        [
-            ("Sun", "NodeSocketVector", None),
-            ("Lamp 1", "NodeSocketFloat", None),
-            ("Lamp 2", "NodeSocketFloat", None),
-            ("Sky", "NodeSocketVector", None),
-            ("Sun Color", "NodeSocketVector", None),
-        ],
-        _build,
-    )
+    tree = groups.ensure(tree, KIND, VERSION, INPUTS, OUTPUTS, _build)
     for name, rgb in kept.items():
         set_colour(tree, name, rgb)
     return tree
@@ -64,30 +59,21 @@ def set_colour(tree: bpy.types.NodeTree, name: str, rgb) -> None:
 
 def _build(tree: bpy.types.NodeTree) -> None:
     add = partial(groups.add, tree)
-    given = add("NodeGroupInput").outputs
+    given = inputs(tree)
     normal = normals.build(tree, given["Normal"])
-    white = add("ShaderNodeBsdfDiffuse", (1.0, 1.0, 1.0, 1.0), 0.0)
-    tree.links.new(normal, white.inputs["Normal"])
-    seen = add("ShaderNodeShaderToRGB", white.outputs[0])
-    red, green, blue = add("ShaderNodeSeparateColor", seen.outputs["Color"], mode="RGB").outputs
+    white = add("ShaderNodeBsdfDiffuse", (1.0, 1.0, 1.0, 1.0), 0.0, into={"Normal": normal})
+    seen = Value(add("ShaderNodeShaderToRGB", white.outputs[0]).outputs["Color"])
+    red, green, blue = seen.rgb()
 
-    def times(number, factor):
-        return add("ShaderNodeMath", number, factor, operation="MULTIPLY").outputs[0]
-
-    def lit(name, number):
-        node = add("ShaderNodeVectorMath", operation="SCALE", name=name, label=name)
-        tree.links.new(number, node.inputs["Scale"])
-        return node.outputs[0]
+    def lit(name: str, number: Value) -> Value:
+        """The colour that lies here, times a number."""
+        return vector_math(tree, "SCALE", None, number, name=name, label=name)
 
     # The sun's lamp is of strength 1 and its colour an irradiance/π: 1/π of 1 is seen of it.
     sun_colour = lit(SUN, given["Strength"])
-    sun = add("ShaderNodeVectorMath", sun_colour, operation="SCALE")
-    tree.links.new(times(red, math.pi / STRENGTH), sun.inputs["Scale"])
-    lamps = [times(channel, 1.0 / STRENGTH) for channel in (green, blue)]
-    dome = [
-        lit(name, times(number, given["Strength"]))
-        for name, number in zip((GREEN, BLUE), lamps, strict=True)
-    ]
-    sky = add("ShaderNodeVectorMath", *dome, operation="ADD")
-    add("NodeGroupOutput", sun.outputs[0], *lamps, sky.outputs[0], sun_colour)
-    groups.arrange(tree)
+    sun = sun_colour * (red * (math.pi / STRENGTH))
+    lamps = [channel * (1.0 / STRENGTH) for channel in (green, blue)]
+    in_green, in_blue = (
+        lit(name, lamp * given["Strength"]) for name, lamp in zip((GREEN, BLUE), lamps, strict=True)
+    )
+    add("NodeGroupOutput", sun, *lamps, in_green + in_blue, sun_colour)

@@ -19,6 +19,8 @@ import bpy
 
 from . import sky_visibility
 from . import tree as groups
+from .tree import Socket
+from .value import Value, inputs
 
 KIND = "Sky Bake"
 VERSION = 2
@@ -28,109 +30,94 @@ SPLIT = "skylight_split"  # … whether it is triangulated first
 FACE = "skylight_face"  # on the subdivided faces: the number of the face before
 NEAR = 1e-4  # how far a corner may lie from where it was baked, of the object's size
 
-SOCKETS = [
-    ("Geometry", "NodeSocketGeometry"),
-    ("Bake", "NodeSocketObject"),
-    ("Faces", "NodeSocketInt"),
-    ("Near", "NodeSocketFloat"),
-    ("Bounce", "NodeSocketBool"),
-    ("Back", "NodeSocketBool"),
-]
+INPUTS = (
+    Socket("Geometry", "Geometry", "Geometry that the modifiers before this one leave"),
+    Socket("Bake", "Object", "Object that holds the baked values. It is in no scene"),
+    Socket(
+        "Faces",
+        "Int",
+        "Index of the bake's first loose vertex. Each of them says how finely one face is divided",
+    ),
+    Socket(
+        "Near", "Float", "Distance in object units that a corner may have from where it was baked"
+    ),
+    Socket("Bounce", "Bool", "Store light reflected by neighbors, in five more attributes"),
+    Socket("Back", "Bool", "Store light on faces seen from behind, in one more attribute"),
+)
+OUTPUTS = (Socket("Geometry", "Geometry", "Subdivided geometry with the baked attributes"),)
 
 
 def ensure() -> bpy.types.NodeTree:
-    """The `Sky Bake` group of this file, made or updated.
-
-    Inputs: Geometry; Bake, the object; Faces, the number of its first loose vertex; Near [object
-    units]; Bounce, whether attributes 5 to 9 are wanted; Back, whether those of backs.
-    Output: Geometry.
-    """
+    """The `Sky Bake` group of this file, made or updated."""
     tree = groups.known(KIND, VERSION)
-    if tree is None:
-        tree = bpy.data.node_groups.new(KIND, "GeometryNodeTree")
-        tree[groups.KIND] = KIND
-        tree.is_modifier = True
-    inputs = [(name, kind, None) for name, kind in SOCKETS]
-    return groups.ensure(
-        tree, KIND, VERSION, inputs, [("Geometry", "NodeSocketGeometry", None)], _build
-    )
+    return groups.ensure(tree, KIND, VERSION, INPUTS, OUTPUTS, _build, tree_type="GeometryNodeTree")
 
 
 def _build(tree: bpy.types.NodeTree) -> None:
     add = partial(groups.add, tree)
-    link = tree.links.new
-    given = add("NodeGroupInput").outputs
-    info = add("GeometryNodeObjectInfo", transform_space="ORIGINAL")
-    link(given["Bake"], info.inputs["Object"])
+    given = inputs(tree)
+    info = add("GeometryNodeObjectInfo", transform_space="ORIGINAL", into={"Object": given["Bake"]})
     bake = info.outputs["Geometry"]
-    index = add("GeometryNodeInputIndex").outputs[0]
+    index = Value(add("GeometryNodeInputIndex").outputs[0])
 
     def sample(name, data_type, domain, at):
         named = add("GeometryNodeInputNamedAttribute", name, data_type=data_type)
-        node = add("GeometryNodeSampleIndex", bake, data_type=data_type, domain=domain)
-        link(named.outputs["Attribute"], node.inputs["Value"])
-        link(at, node.inputs["Index"])
-        return node.outputs["Value"]
+        value = named.outputs["Attribute"]
+        node = add("GeometryNodeSampleIndex", bake, value, at, data_type=data_type, domain=domain)
+        return Value(node.outputs["Value"])
 
     def store(geometry, name, value, data_type, domain):
-        node = add("GeometryNodeStoreNamedAttribute", geometry, data_type=data_type, domain=domain)
-        node.inputs["Name"].default_value = name
-        link(value, node.inputs["Value"])
+        node = add(
+            "GeometryNodeStoreNamedAttribute",
+            geometry,
+            data_type=data_type,
+            domain=domain,
+            into={"Name": name, "Value": value},
+        )
         return node.outputs[0]
 
     def switch(kind, chosen, no, yes):
-        node = add("GeometryNodeSwitch", input_type=kind)
-        link(chosen, node.inputs["Switch"])
-        for name, source in (("False", no), ("True", yes)):
-            if isinstance(source, bpy.types.NodeSocket):
-                link(source, node.inputs[name])
-            else:
-                node.inputs[name].default_value = source
-        return node.outputs[0]
+        return add("GeometryNodeSwitch", chosen, no, yes, input_type=kind).outputs[0]
 
     mesh = add("GeometryNodeRealizeInstances", given["Geometry"]).outputs[0]
     normal = add("GeometryNodeInputNormal").outputs["Normal"]
     capture = add("GeometryNodeCaptureAttribute", mesh, domain="CORNER")
     capture.capture_items.new("VECTOR", "Normal")
-    link(normal, capture.inputs["Normal"])
+    tree.links.new(normal, capture.inputs["Normal"])
     mesh = store(capture.outputs["Geometry"], FACE, index, "INT", "FACE")
-    coarse = add("ShaderNodeMath", index, given["Faces"], operation="ADD").outputs[0]
+    coarse = index + given["Faces"]
     mesh = store(mesh, LEVEL, sample(LEVEL, "INT", "POINT", coarse), "INT", "FACE")
     split = add("GeometryNodeTriangulate", mesh)
-    link(sample(SPLIT, "BOOLEAN", "POINT", coarse), split.inputs["Selection"])
+    tree.links.new(sample(SPLIT, "BOOLEAN", "POINT", coarse).socket, split.inputs["Selection"])
     mesh = split.outputs[0]
     join = add("GeometryNodeJoinGeometry")
     level = add("GeometryNodeInputNamedAttribute", LEVEL, data_type="INT").outputs["Attribute"]
     for each in range(LEVELS + 1):
-        same = add("FunctionNodeCompare", data_type="INT", operation="EQUAL")
-        first, second = (s for s in same.inputs if s.type == "INT" and s.enabled)
-        link(level, first)
-        second.default_value = each
+        same = add("FunctionNodeCompare", level, each, data_type="INT", operation="EQUAL")
         part = add("GeometryNodeSeparateGeometry", mesh, same.outputs[0], domain="FACE")
         mesh = part.outputs["Inverted"]
         fine = add("GeometryNodeSubdivideMesh", part.outputs["Selection"], each)
-        link(fine.outputs[0], join.inputs[0])
-    unit = add("ShaderNodeVectorMath", capture.outputs["Normal"], operation="NORMALIZE")
+        tree.links.new(fine.outputs[0], join.inputs[0])
+    unit = Value(capture.outputs["Normal"]).normalize()
     shaped = add("GeometryNodeSetMeshNormal", join.outputs[0], mode="FREE", domain="CORNER")
-    link(unit.outputs[0], shaped.inputs["Custom Normal"])
-    clean = add("GeometryNodeRemoveAttribute", shaped.outputs[0])
-    clean.inputs["Name"].default_value = LEVEL
+    tree.links.new(unit.socket, shaped.inputs["Custom Normal"])
+    clean = add("GeometryNodeRemoveAttribute", shaped.outputs[0], into={"Name": LEVEL})
     mesh = clean.outputs[0]
 
-    counts = []
-    for geometry in (bake, mesh):
-        size = add("GeometryNodeAttributeDomainSize", geometry, component="MESH")
-        counts.append(size.outputs["Face Corner Count"])
-    distance = add(
-        "ShaderNodeVectorMath",
-        add("GeometryNodeInputPosition").outputs[0],
-        sample("position", "FLOAT_VECTOR", "CORNER", index),
-        operation="DISTANCE",
-    ).outputs["Value"]
+    then, now = (
+        Value(
+            add("GeometryNodeAttributeDomainSize", geometry, component="MESH").outputs[
+                "Face Corner Count"
+            ]
+        )
+        for geometry in (bake, mesh)
+    )
+    position = Value(add("GeometryNodeInputPosition").outputs[0])
+    distance = position.distance(sample("position", "FLOAT_VECTOR", "CORNER", index))
     kept = add(
         "FunctionNodeBooleanMath",
-        add("ShaderNodeMath", *counts, 0.5, operation="COMPARE").outputs[0],
-        add("ShaderNodeMath", distance, given["Near"], operation="LESS_THAN").outputs[0],
+        then.near(now, 0.5),
+        distance.less_than(given["Near"]),
         operation="AND",
     ).outputs[0]
 
@@ -146,4 +133,3 @@ def _build(tree: bpy.types.NodeTree) -> None:
     for number in range(5, 10):
         bounced = keep(bounced, sky_visibility.attribute(number))
     add("NodeGroupOutput", switch("GEOMETRY", given["Bounce"], mesh, bounced))
-    groups.arrange(tree)

@@ -12,34 +12,28 @@ from functools import partial
 import bpy
 
 from . import tree as groups
+from .tree import Socket
+from .value import inputs
 
 KIND = "Sky Instance"
 VERSION = 1
 
 
-def ensure() -> bpy.types.NodeTree:
-    """The `Sky Instance` group of this file, made or updated.
+INPUTS = (
+    Socket("Geometry", "Geometry", "Geometry of the object itself, which is not shown"),
+    Socket("Source", "Object", "Object whose geometry is shown"),
+    Socket("Collection", "Collection", "Collection that the Empty shows again without the bake"),
+)
+OUTPUTS = (Socket("Geometry", "Geometry", "Geometry of the source"),)
 
-    Inputs: Geometry, which is not shown; Source, the object that is; Collection, what was instanced
-    (kept here for when the instances come back). Output: Geometry.
-    """
-    tree = next(iter(groups.of_kind(KIND)), None)
-    if tree is None:
-        tree = bpy.data.node_groups.new(KIND, "GeometryNodeTree")
-        tree[groups.KIND] = KIND
-        tree.is_modifier = True
-    inputs = [
-        ("Geometry", "NodeSocketGeometry", None),
-        ("Source", "NodeSocketObject", None),
-        ("Collection", "NodeSocketCollection", None),
-    ]
-    outputs = [("Geometry", "NodeSocketGeometry", None)]
-    return groups.ensure(tree, KIND, VERSION, inputs, outputs, _build)
+
+def ensure() -> bpy.types.NodeTree:
+    """The `Sky Instance` group of this file, made or updated."""
+    tree = groups.known(KIND, VERSION)
+    return groups.ensure(tree, KIND, VERSION, INPUTS, OUTPUTS, _build, tree_type="GeometryNodeTree")
 
 
 def _build(tree: bpy.types.NodeTree) -> None:
     add = partial(groups.add, tree)
-    given = add("NodeGroupInput").outputs
-    info = add("GeometryNodeObjectInfo", given["Source"], transform_space="ORIGINAL")
+    info = add("GeometryNodeObjectInfo", inputs(tree)["Source"], transform_space="ORIGINAL")
     add("NodeGroupOutput", info.outputs["Geometry"])
-    groups.arrange(tree)

@@ -17,6 +17,9 @@ import bpy
 
 from . import normals
 from . import tree as groups
+from .sockets import NORMAL, ROTATION, STRENGTH
+from .tree import Socket
+from .value import Value, inputs, vector_math
 
 KIND = "Sky Irradiance"
 GROUND = "Ground Irradiance"
@@ -24,6 +27,11 @@ VERSION = 1
 DEGREE = 6
 GROUND_DEGREE = 3  # an even lower half is of degree 1
 ROTATE = "Rotate"  # the node that turns the normal as the World's Mapping node turns its texture
+
+INPUTS = (NORMAL, ROTATION, STRENGTH)
+OUTPUTS = (
+    Socket("Irradiance", "Vector", "Irradiance divided by π, in the linear RGB of the HDRI"),
+)
 
 Exponent = tuple[int, int, int]
 
@@ -45,25 +53,10 @@ def exponents(degree: int = DEGREE) -> list[Exponent]:
 def ensure(
     tree: bpy.types.NodeTree | None = None, kind: str = KIND, degree: int = DEGREE
 ) -> bpy.types.NodeTree:
-    """A group of this kind: the given one, updated, its coefficients kept; or a new one, all 0.
-
-    Inputs: Normal (world space; unlinked: the shading normal), Rotation (Euler XYZ [rad]) and
-    Strength, as the World's Mapping and Background have them. Output: Irradiance, the
-    irradiance/π in the HDRI's linear RGB.
-    """
+    """A group of this kind: the given one, updated, its coefficients kept; or a new one, all 0."""
     kept = {} if tree is None else coefficients(tree)
-    tree = groups.ensure(
-        tree,
-        kind,
-        VERSION,
-        [
-            ("Normal", "NodeSocketVector", None),
-            ("Rotation", "NodeSocketVector", None),
-            ("Strength", "NodeSocketFloat", 1.0),
-        ],
-        [("Irradiance", "NodeSocketVector", None)],
-        partial(_build, degree=degree),
-    )
+    build = partial(_build, degree=degree)
+    tree = groups.ensure(tree, kind, VERSION, INPUTS, OUTPUTS, build)
     set_coefficients(tree, kept)
     return tree
 
@@ -110,20 +103,23 @@ def _vector(tree: bpy.types.NodeTree, key: Exponent):
 
 
 def _build(tree: bpy.types.NodeTree, degree: int) -> None:
-    add = partial(groups.add, tree)
-    given = add("NodeGroupInput").outputs
+    given = inputs(tree)
     normal = normals.build(tree, given["Normal"])
-    turned = add("ShaderNodeVectorRotate", rotation_type="EULER_XYZ", name=ROTATE)
-    tree.links.new(normal, turned.inputs["Vector"])
-    tree.links.new(given["Rotation"], turned.inputs["Rotation"])
-    x, y, z = add("ShaderNodeSeparateXYZ", turned.outputs[0]).outputs
+    turned = groups.add(
+        tree,
+        "ShaderNodeVectorRotate",
+        rotation_type="EULER_XYZ",
+        name=ROTATE,
+        into={"Vector": normal, "Rotation": given["Rotation"]},
+    )
+    x, y, z = Value(turned.outputs[0]).xyz()
 
-    def multiply_add(a, b, c, name):
-        node = add("ShaderNodeVectorMath", a, b, c, operation="MULTIPLY_ADD", name=name)
-        return node.outputs[0]
+    def multiply_add(a: Value | None, b: Value, c: Value | None, name: str) -> Value:
+        """a b + c, where None is the coefficient that the node of this name holds itself."""
+        return vector_math(tree, "MULTIPLY_ADD", a, b, c, name=name)
 
-    def horner(degree, c):
-        total = None  # None: the coefficient that the node holds itself
+    def horner(degree: int, c: int) -> Value | None:
+        total = None
         for b in range(degree, -1, -1):
             row = None
             for a in range(degree - b - 1, -1, -1):
@@ -133,7 +129,4 @@ def _build(tree: bpy.types.NodeTree, degree: int) -> None:
         return total
 
     irradiance = multiply_add(horner(degree - 1, 1), z, horner(degree, 0), "P + z Q")
-    lit = add("ShaderNodeVectorMath", irradiance, operation="SCALE")
-    tree.links.new(given["Strength"], lit.inputs["Scale"])
-    add("NodeGroupOutput", lit.outputs[0])
-    groups.arrange(tree)
+    groups.add(tree, "NodeGroupOutput", irradiance * given["Strength"])

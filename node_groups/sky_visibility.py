@@ -22,11 +22,15 @@ import math
 import operator
 from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
+from typing import Any
 
 import bpy
 
 from . import tree as groups
 from .sky_irradiance import ROTATE
+from .sockets import ROTATION, STRENGTH
+from .tree import Socket
+from .value import Value, combine_xyz, inputs, outputs, vector_math
 
 KIND = "Sky Visibility"
 VERSION = 3
@@ -40,8 +44,11 @@ LANDMARK = (0.37, 0.61, 0.83)  # a point of each object, by whose place in the w
 ALONG = (1.618, 2.236, 2.646)  # … along this direction, modulo 1 unit
 NEAR = 0.01  # how far the place may be off: float32 far from the origin
 
+BLACK, WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+
 Key = tuple[int, int]
 Place = tuple[int, int]
+Angles = tuple[Value, Value, Value]
 
 
 def attribute(number: int) -> str:
@@ -85,36 +92,47 @@ def mark(to_world: Sequence[Sequence[float]]) -> float:
     return 1.0 + math.fmod(1.0 + math.fmod(sum(map(operator.mul, place, ALONG)), 1.0), 1.0)
 
 
+INPUTS = (ROTATION, STRENGTH)
+OUTPUTS = (
+    Socket("Irradiance", "Vector", "Irradiance divided by π, in the linear RGB of the HDRI"),
+    Socket("Ground", "Float", "Cosine-weighted share of the view that is open below the horizon"),
+    Socket(
+        "Baked",
+        "Float",
+        "1 where the bake holds. 0 on faces that have the open sky: not baked, moved or seen from "
+        "behind",
+    ),
+    Socket(
+        "Back",
+        "Vector",
+        "Share of the open sky's RGB on a face seen from behind. 1 where no back is baked",
+    ),
+    Socket(
+        "Back Ground",
+        "Float",
+        "Share of the light from below on a face seen from behind. 1 where no back is baked",
+    ),
+    Socket("Bounce 1", "Vector", "Skylight reflected by the first kind of neighbors"),
+    Socket("Bounce 1 Sun", "Float", "Sunlight reflected by the first kind of neighbors"),
+    Socket("Bounce 2", "Vector", "Skylight reflected by all other neighbors"),
+    Socket("Bounce 2 Sun", "Float", "Sunlight reflected by all other neighbors"),
+)
+
+
 def ensure(tree: bpy.types.NodeTree | None = None, bounce: bool = False) -> bpy.types.NodeTree:
     """A `Sky Visibility` group: the given one, updated, its coefficients kept; or a new one, all 0.
 
-    Inputs: Rotation (Euler XYZ [rad], of which z is followed) and Strength, as the World's Mapping
-    and Background have them. Outputs: Irradiance, irradiance/pi in the HDRI's linear RGB, nowhere
-    negative; Ground, the part (0 to 1) of a white face's view that is open below the horizon;
-    Baked, 1 where these hold and 0 where a mesh was not baked or elsewhere, as an instance or a
-    moved object, or where its face is seen from behind;
-    Back and Back Ground, what a face seen from behind has of the light of open sky and ground,
-    else 1; with `bounce` always 1, for a material has no more than 14 attributes;
-    Bounce 1, Bounce 2 and Bounce 1 Sun, Bounce 2 Sun, light by way of neighbours, all 0 without
-    `bounce`: another shader, with five more attributes.
+    `bounce`: whether neighbours' light is in it, which is another shader with five more attributes.
+    With it Back and Back Ground are always 1, for a material has no more than 14 attributes;
+    without it the bounces are 0.
     """
     kept, first = ({}, {}) if tree is None else (coefficients(tree), coefficients(tree, _FIRST))
     tree = groups.ensure(
         tree,
         KIND,
         VERSION,
-        [("Rotation", "NodeSocketVector", None), ("Strength", "NodeSocketFloat", 1.0)],
-        [
-            ("Irradiance", "NodeSocketVector", None),
-            ("Ground", "NodeSocketFloat", None),
-            ("Baked", "NodeSocketFloat", None),
-            ("Back", "NodeSocketVector", None),
-            ("Back Ground", "NodeSocketFloat", None),
-            ("Bounce 1", "NodeSocketVector", None),
-            ("Bounce 1 Sun", "NodeSocketFloat", None),
-            ("Bounce 2", "NodeSocketVector", None),
-            ("Bounce 2 Sun", "NodeSocketFloat", None),
-        ],
+        INPUTS,
+        OUTPUTS,
         partial(_build, bounce=bounce),
         variant="bounce" if bounce else "",
     )
@@ -164,44 +182,38 @@ def _name(key: Key) -> str:
 
 def _build(tree: bpy.types.NodeTree, bounce: bool) -> None:
     add = partial(groups.add, tree)
+    given = inputs(tree)
+    arrow = add(
+        "ShaderNodeVectorRotate",
+        rotation_type="EULER_XYZ",
+        name=ROTATE,
+        into={"Vector": (1.0, 0.0, 0.0), "Rotation": given["Rotation"]},
+    )
+    level = (Value(arrow.outputs[0]) * (1.0, 1.0, 0.0)).normalize()
+    c, s, _ = level.xyz()
+    c2 = (c * 2.0).multiply_add(c, -1.0)
+    s2 = c * 2.0 * s
+    c3 = c2 * c - s2 * s
+    s3 = s2.multiply_add(c, c2 * s)
 
-    def maths(operation, *sources, **settings):
-        return add("ShaderNodeMath", *sources, operation=operation, **settings).outputs[0]
+    def read(name: str) -> tuple[Value, Value]:
+        """The first three numbers of an attribute, and the fourth."""
+        attribute = add("ShaderNodeAttribute", attribute_name=name, attribute_type="GEOMETRY")
+        parts = outputs(attribute)
+        return parts["Vector"], parts["Alpha"]
 
-    def vectors(operation, *sources, **settings):
-        return add("ShaderNodeVectorMath", *sources, operation=operation, **settings).outputs[0]
-
-    def read(name):
-        node = add("ShaderNodeAttribute", attribute_name=name, attribute_type="GEOMETRY")
-        return node.outputs["Vector"], node.outputs["Alpha"]
-
-    given = add("NodeGroupInput").outputs
-    arrow = add("ShaderNodeVectorRotate", rotation_type="EULER_XYZ", name=ROTATE)
-    arrow.inputs["Vector"].default_value = (1.0, 0.0, 0.0)
-    tree.links.new(given["Rotation"], arrow.inputs["Rotation"])
-    level = vectors("NORMALIZE", vectors("MULTIPLY", arrow.outputs[0], (1.0, 1.0, 0.0)))
-    c, s, _ = add("ShaderNodeSeparateXYZ", level).outputs
-    c2 = maths("MULTIPLY_ADD", maths("MULTIPLY", c, 2.0), c, -1.0)
-    s2 = maths("MULTIPLY", maths("MULTIPLY", c, 2.0), s)
-    c3 = maths("SUBTRACT", maths("MULTIPLY", c2, c), maths("MULTIPLY", s2, s))
-    s3 = maths("MULTIPLY_ADD", s2, c, maths("MULTIPLY", c2, s))
-
-    def turn(even, odd, cosines, sines):
+    def turn(even: Value, odd: Value, cosines: Angles, sines: Angles) -> list[Value]:
         """The harmonics of orders m and -m after the turn, six numbers."""
-        cosine = add("ShaderNodeCombineXYZ", *cosines).outputs[0]
-        sine = add("ShaderNodeCombineXYZ", *sines).outputs[0]
-        turned = (
-            vectors("SUBTRACT", vectors("MULTIPLY", even, cosine), vectors("MULTIPLY", odd, sine)),
-            vectors("MULTIPLY_ADD", even, sine, vectors("MULTIPLY", odd, cosine)),
-        )
-        return [n for v in turned for n in add("ShaderNodeSeparateXYZ", v).outputs]
+        cosine, sine = combine_xyz(*cosines), combine_xyz(*sines)
+        turned = (even * cosine - odd * sine, even.multiply_add(sine, odd * cosine))
+        return [number for vector in turned for number in vector.xyz()]
 
-    def total(harmonics, of=""):
+    def total(harmonics: Mapping[Key, Value], of: str = "") -> Value:
         """The sum over harmonics of transfer times the sky's coefficient, which lies here."""
-        light = None
-        for key, value in harmonics.items():
-            sources = (value, (0.0,) * 3, (0.0,) * 3 if light is None else light)
-            light = vectors("MULTIPLY_ADD", *sources, name=_name(key) + of)
+        light: Any = BLACK
+        for key, transfer in harmonics.items():
+            operands = (transfer, BLACK, light)
+            light = vector_math(tree, "MULTIPLY_ADD", *operands, name=_name(key) + of)
         return light
 
     (one, z0), (minus_one, z1), (more, z2), (minus_more, z3) = (
@@ -216,60 +228,49 @@ def _build(tree: bpy.types.NodeTree, bounce: bool) -> None:
     light = total(harmonics)
 
     left, key = read(EXACT)
-    same = maths("COMPARE", key, -1.0, 0.25, name=KEY)
-    along = add("ShaderNodeVectorMath", level, (1.0, 0.0, 0.0), operation="DOT_PRODUCT", name=SUN)
-    near = add("ShaderNodeMapRange", along.outputs["Value"], FADE, 1.0, 0.0, 1.0).outputs[0]
-    left = add("ShaderNodeVectorMath", left, operation="SCALE")
-    tree.links.new(maths("MULTIPLY", same, near), left.inputs["Scale"])
-    light = vectors("MAXIMUM", vectors("ADD", light, left.outputs[0]), (0.0,) * 3)
-
-    def lit(light, by=given["Strength"]):
-        scaled = add("ShaderNodeVectorMath", light, operation="SCALE")
-        tree.links.new(by, scaled.inputs["Scale"])
-        return scaled.outputs[0]
+    same = key.near(-1.0, 0.25, name=KEY)
+    along = level.dot((1.0, 0.0, 0.0), name=SUN)
+    near = Value(add("ShaderNodeMapRange", along, FADE, 1.0, 0.0, 1.0).outputs[0])
+    light = (light + left * (same * near)).maximum(BLACK)
 
     other, sun_2 = read(attribute(4))
-    ground, flag, sun_1 = add("ShaderNodeSeparateXYZ", other).outputs
-    behind = add("ShaderNodeNewGeometry").outputs["Backfacing"]
+    ground, flag, sun_1 = other.xyz()
+    behind = Value(add("ShaderNodeNewGeometry").outputs["Backfacing"])
     here = add(
         "ShaderNodeVectorTransform",
         LANDMARK,
         vector_type="POINT",
         convert_from="OBJECT",
         convert_to="WORLD",
-    ).outputs[0]
-    place = add("ShaderNodeVectorMath", here, ALONG, operation="DOT_PRODUCT").outputs["Value"]
-    off = maths("FRACT", maths("ADD", maths("SUBTRACT", flag, place), 0.5))
-    same = maths("MULTIPLY", maths("COMPARE", off, 0.5, NEAR), maths("GREATER_THAN", flag, 0.5))
-    baked = maths("MULTIPLY", same, maths("SUBTRACT", 1.0, behind))
-    results = [lit(light), ground, baked]
+    )
+    place = Value(here.outputs[0]).dot(ALONG)
+    off = (flag - place + 0.5).fraction()
+    same = off.near(0.5, NEAR) * flag.greater_than(0.5)
+    baked = same * (1.0 - behind)
+    results: list[Any] = [light * given["Strength"], ground, baked]
     if bounce:
-        results += [(1.0, 1.0, 1.0), 1.0]
+        results += [WHITE, 1.0]
     else:
         # Of another place the flag of the front tells, and without it 1 is missing too.
         part, below = read(BACK)
-        known = add("ShaderNodeSeparateXYZ", part).outputs[0]
-        known = maths(
-            "MULTIPLY", maths("GREATER_THAN", known, 0.5), maths("MULTIPLY", same, behind)
-        )
-        thrice = add("ShaderNodeCombineXYZ", known, known, known).outputs[0]
-        part = vectors("MAXIMUM", vectors("SUBTRACT", part, (1.0,) * 3), (0.0,) * 3)
+        known = part.xyz()[0].greater_than(0.5) * (same * behind)
+        thrice = combine_xyz(known, known, known)
+        part = (part - WHITE).maximum(BLACK)
         results += [
-            vectors("MULTIPLY_ADD", vectors("SUBTRACT", part, (1.0,) * 3), thrice, (1.0,) * 3),
-            maths("MULTIPLY_ADD", maths("SUBTRACT", below, 1.0), known, 1.0),
+            (part - WHITE).multiply_add(thrice, WHITE),
+            (below - 1.0).multiply_add(known, 1.0),
         ]
     if bounce:
         # A missing attribute reads 0 with alpha 1, which would be a constant harmonic.
-        spare = add("ShaderNodeSeparateXYZ", read(attribute(9))[0]).outputs
-        there = maths("MULTIPLY", spare[2], baked)
-        strength = maths("MULTIPLY", given["Strength"], there)
+        spare = read(attribute(9))[0].xyz()
+        there = spare[2] * baked
+        strength = given["Strength"] * there
         orders = [(1, 1), (2, 1), (2, 2), (1, -1), (2, -1), (2, -2)]
         for way, of, sun in ((0, _FIRST, sun_1), (1, _SECOND, sun_2)):
             (even, z0), (odd, z1) = read(attribute(5 + 2 * way)), read(attribute(6 + 2 * way))
             turned = turn(even, odd, (c, c, c2), (s, s, s2))
             harmonics = dict(zip(orders, turned, strict=True))
             harmonics |= {(0, 0): z0, (1, 0): z1, (2, 0): spare[way]}
-            light = vectors("MAXIMUM", total(harmonics, of), (0.0,) * 3)
-            results += [lit(light, strength), maths("MULTIPLY", sun, there)]
+            light = total(harmonics, of).maximum(BLACK)
+            results += [light * strength, sun * there]
     add("NodeGroupOutput", *results)
-    groups.arrange(tree)

@@ -13,15 +13,19 @@ that points to the World would do the same, but in Blender 4.5 each render takes
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import astuple, dataclass
 from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
 import bpy
 
 from . import light_probe, normals, sky_irradiance, sky_visibility, spectral_matrix
 from . import tree as groups
 from .drivers import drive
+from .sockets import CYCLES, NORMAL, SHADER, alpha
+from .tree import Socket
+from .value import Value, combine_xyz, inputs, outputs
 
 KIND = "Skylight Surface"
 VERSION = 3
@@ -30,11 +34,39 @@ GROUND = "Ground"
 PROBE = "Probe"
 VISIBILITY = "Visibility"
 ANY = "sun_threshold"  # a number that every World has
-LIGHTS = ("Ground", "Sun", "Lamp 1", "Lamp 2", "Bounce 1 Sun", "Bounce 2 Sun")
-BOUNCES = ("Bounce 1", "Bounce 2")
+LIGHTS = {
+    "Ground": "light from the ground",
+    "Sun": "sunlight",
+    "Lamp 1": "light of the first kind of lamps",
+    "Lamp 2": "light of the second kind of lamps",
+    "Bounce 1 Sun": "sunlight reflected by the first kind of neighbors",
+    "Bounce 2 Sun": "sunlight reflected by all other neighbors",
+}
+BOUNCES = {"Bounce 1": "the first kind of neighbors", "Bounce 2": "all other neighbors"}
 IRRADIANCE, REFLECTANCE = "Skylight Irradiance", "Skylight Reflectance"
 """Passes (AOVs) that a view layer may ask for: the sky's irradiance/π, and the material's colour
 under a light of (1, 1, 1)."""
+
+INPUTS = (
+    *spectral_matrix.ROW_SOCKETS,
+    NORMAL,
+    alpha("surface"),
+    *(
+        Socket(name, "Vector", f"RGB that the material reflects of {light}", (0.0, 0.0, 0.0))
+        for name, light in LIGHTS.items()
+    ),
+    *(
+        Socket(
+            f"{name} {row}",
+            "Vector",
+            f"{number} row of the matrix for skylight reflected by {neighbors}",
+            (0.0, 0.0, 0.0),
+        )
+        for name, neighbors in BOUNCES.items()
+        for row, number in (("R", "First"), ("G", "Second"), ("B", "Third"))
+    ),
+)
+OUTPUTS = (SHADER, CYCLES)
 
 
 @dataclass(frozen=True)
@@ -116,11 +148,9 @@ def ensure(
     """The `Skylight Surface` group of this World, made or updated.
 
     `strength` and `rotation` are the World's data paths that it follows (None: 1, and not turned);
-    `inverse` turns the other way; `features`: None leaves what there is. Inputs: Row R, Row G,
-    Row B (the material's matrix; identity by default), Normal (world space; unlinked: the shading
-    normal), Alpha (1: opaque), and `LIGHTS`, what the material reflects of each (RGB; 0 by
-    default). Outputs: Shader, and for Cycles the same with the sun's and lamps' light as Cycles
-    finds it. Eevee shows a negative sum, which is a colour out of gamut, as 0.
+    `inverse` turns the other way; `features`: None leaves what there is. The two outputs differ in
+    the light of sun and lamps, which each engine has in its own way. Eevee shows a negative sum,
+    which is a colour out of gamut, as 0.
     """
     tree = find(world)
     old = {name: part(tree, name) for name in (SKY, GROUND, PROBE, VISIBILITY)} if tree else {}
@@ -141,18 +171,8 @@ def ensure(
         tree,
         KIND,
         VERSION,
-        [
-            *spectral_matrix.row_sockets(),
-            ("Normal", "NodeSocketVector", None),
-            ("Alpha", "NodeSocketFloat", 1.0),
-            *((name, "NodeSocketVector", (0.0, 0.0, 0.0)) for name in LIGHTS),
-            *(
-                (f"{name} {row}", "NodeSocketVector", (0.0, 0.0, 0.0))
-                for name in BOUNCES
-                for row in "RGB"
-            ),
-        ],
-        [("Shader", "NodeSocketShader", None), ("Cycles", "NodeSocketShader", None)],
+        INPUTS,
+        OUTPUTS,
         partial(_build, parts=parts, matrix=spectral_matrix.ensure(), dome=dome, bounce=bounce),
         variant=str(features),
     )
@@ -188,83 +208,59 @@ def _build(
     bounce: bool,
 ) -> None:
     add = partial(groups.add, tree)
-    given = add("NodeGroupInput").outputs
+    given = inputs(tree)
 
-    def light(name):
+    def light(name: str) -> dict[str, Value]:
         node = add("ShaderNodeGroup", node_tree=parts[name], name=name, label=name)
         if "Normal" in node.inputs:
-            tree.links.new(given["Normal"], node.inputs["Normal"])
-        return node
+            tree.links.new(given["Normal"].socket, node.inputs["Normal"])
+        return outputs(node)
 
-    def vector(operation, *sources):
-        return add("ShaderNodeVectorMath", *sources, operation=operation).outputs[0]
+    def choice(factor: Value, without: Value, where: Value) -> Value:
+        node = add("ShaderNodeMix", factor, without, where, data_type="VECTOR", clamp_factor=True)
+        return Value(next(socket for socket in node.outputs if socket.enabled))
 
-    def scaled(colour, number):
-        node = add("ShaderNodeVectorMath", colour, operation="SCALE")
-        tree.links.new(number, node.inputs["Scale"])
-        return node.outputs[0]
+    def reflected(sky: Value, rows: Iterable[str]) -> Value:
+        linked = {own: given[row] for own, row in zip(spectral_matrix.ROWS, rows, strict=True)}
+        node = add("ShaderNodeGroup", node_tree=matrix, into={"Color": sky, **linked})
+        return Value(node.outputs[0])
 
-    def choice(factor, without, where):
-        node = add("ShaderNodeMix", data_type="VECTOR", clamp_factor=True)
-        for socket, source in zip(("Factor", "A", "B"), (factor, without, where), strict=True):
-            enabled = next(s for s in node.inputs if s.name == socket and s.enabled)
-            tree.links.new(source, enabled)
-        return next(socket for socket in node.outputs if socket.enabled)
-
-    def reflected(sky, rows):
-        node = add("ShaderNodeGroup", node_tree=matrix)
-        tree.links.new(sky, node.inputs["Color"])
-        for row, source in zip(spectral_matrix.ROWS, rows, strict=True):
-            tree.links.new(given[source], node.inputs[row])
-        return node.outputs[0]
-
-    def open_below(share):
+    def open_below(share: Value) -> Value:
         """What of the light from below a face gets: its open share over that of a free face."""
         normal = normals.build(tree, given["Normal"])
-        down = add("ShaderNodeVectorMath", normal, (0.0, 0.0, -0.5), operation="DOT_PRODUCT")
-        free = add("ShaderNodeMath", down.outputs["Value"], 0.5, operation="ADD")
-        some = add("ShaderNodeMath", free.outputs[0], 1e-3, operation="MAXIMUM")
-        return add("ShaderNodeMath", share, some.outputs[0], operation="DIVIDE").outputs[0]
+        return share / (normal.dot((0.0, 0.0, -0.5)) + 0.5).maximum(1e-3)
 
-    probe: Any = light(PROBE).outputs if PROBE in parts else None
-    sky = light(SKY).outputs[0]
-    seen: Any = light(VISIBILITY).outputs if VISIBILITY in parts else None
+    probe = light(PROBE) if PROBE in parts else None
+    sky = light(SKY)["Irradiance"]
+    seen = light(VISIBILITY) if VISIBILITY in parts else None
     if seen:
-        sky = choice(seen["Baked"], vector("MULTIPLY", sky, seen["Back"]), seen["Irradiance"])
+        sky = choice(seen["Baked"], sky * seen["Back"], seen["Irradiance"])
     both = []  # light that both engines know
     if GROUND in parts:
-        ground = light(GROUND).outputs[0]
+        ground = light(GROUND)["Irradiance"]
         if seen:
-            back = scaled(ground, seen["Back Ground"])
-            ground = choice(seen["Baked"], back, scaled(ground, open_below(seen["Ground"])))
-        both.append(vector("MULTIPLY", given["Ground"], ground))
-    if bounce:
+            back = ground * seen["Back Ground"]
+            ground = choice(seen["Baked"], back, ground * open_below(seen["Ground"]))
+        both.append(given["Ground"] * ground)
+    if seen and bounce:
         for name in BOUNCES:
             both.append(reflected(seen[name], [f"{name} {row}" for row in "RGB"]))
             if probe:
-                sun = scaled(probe["Sun Color"], seen[f"{name} Sun"])
-                both.append(vector("MULTIPLY", given[f"{name} Sun"], sun))
+                both.append(given[f"{name} Sun"] * (probe["Sun Color"] * seen[f"{name} Sun"]))
     own = spectral_matrix.ROWS
-    even = [
-        add("ShaderNodeVectorMath", given[row], (1.0,) * 3, operation="DOT_PRODUCT").outputs[
-            "Value"
-        ]
-        for row in own
-    ]
-    for name, colour in (
-        (IRRADIANCE, probe["Sky"] if dome else sky),
-        (REFLECTANCE, add("ShaderNodeCombineXYZ", *even).outputs[0]),
-    ):
-        add("ShaderNodeOutputAOV", colour, aov_name=name)
-    colours = {"Shader": reflected(probe["Sky"] if dome else sky, own)}
+    even = combine_xyz(*(given[row].dot((1.0, 1.0, 1.0)) for row in own))
+    in_eevee = probe["Sky"] if probe and dome else sky
+    add("ShaderNodeOutputAOV", in_eevee, aov_name=IRRADIANCE)
+    add("ShaderNodeOutputAOV", even, aov_name=REFLECTANCE)
+    colours = {"Shader": reflected(in_eevee, own)}
     colours["Cycles"] = reflected(sky, own) if dome else colours["Shader"]
     for name, colour in colours.items():
         for more in both:
-            colours[name] = colour = vector("ADD", more, colour)
+            colours[name] = colour = more + colour
     if probe:
-        lit = vector("MULTIPLY_ADD", given["Sun"], probe["Sun"], colours["Shader"])
+        lit = given["Sun"].multiply_add(probe["Sun"], colours["Shader"])
         for name in ("Lamp 1", "Lamp 2"):
-            lit = vector("ADD", scaled(given[name], probe[name]), lit)
+            lit = given[name] * probe[name] + lit
         colours["Shader"] = lit
     clear = add("ShaderNodeBsdfTransparent").outputs[0]
     surfaces = []
@@ -272,11 +268,10 @@ def _build(
         shader = add("ShaderNodeEmission", colour).outputs[0]
         if probe and name == "Cycles":
             # The lamps are that much too strong for Cycles, which drowns all else in this Diffuse.
-            faint = vector("MULTIPLY", given["Sun"], (1.0 / light_probe.CYCLES_STRENGTH,) * 3)
-            diffuse = add("ShaderNodeBsdfDiffuse", faint, 0.0)
-            tree.links.new(normals.build(tree, given["Normal"]), diffuse.inputs["Normal"])
+            faint = given["Sun"] * ((1.0 / light_probe.CYCLES_STRENGTH,) * 3)
+            normal = normals.build(tree, given["Normal"])
+            diffuse = add("ShaderNodeBsdfDiffuse", faint, 0.0, into={"Normal": normal})
             shader = add("ShaderNodeAddShader", diffuse.outputs[0], shader).outputs[0]
         mixed = add("ShaderNodeMixShader", given["Alpha"], clear, shader)
         surfaces.append(mixed.outputs[0])
     add("NodeGroupOutput", *surfaces)
-    groups.arrange(tree)

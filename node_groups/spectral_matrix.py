@@ -5,32 +5,40 @@ from __future__ import annotations
 import bpy
 
 from . import tree as groups
+from .tree import Socket
+from .value import combine_rgb, inputs
 
 KIND = "Spectral Matrix"
 VERSION = 1
 ROWS = ("Row R", "Row G", "Row B")
 
+ROW_SOCKETS = tuple(
+    Socket(
+        name,
+        "Vector",
+        f"{number} row of the matrix: reflected {channel} for each unit of red, green and blue",
+        row,
+    )
+    for name, number, channel, row in zip(
+        ROWS,
+        ("First", "Second", "Third"),
+        ("red", "green", "blue"),
+        ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)),
+        strict=True,
+    )
+)
+"""The rows of a matrix, identity by default, as every group with a matrix has them."""
+
+INPUTS = (
+    Socket("Color", "Color", "Light to multiply by the matrix", (1.0, 1.0, 1.0, 1.0)),
+    *ROW_SOCKETS,
+)
+OUTPUTS = (Socket("Color", "Color", "The matrix times the color, not clamped"),)
+
 
 def ensure() -> bpy.types.NodeTree:
-    """The `Spectral Matrix` group of this file, made or updated.
-
-    Inputs: Color, and the matrix's rows as the vectors Row R, Row G, Row B (identity by default;
-    negative entries are fine). Output: Color, unclamped.
-    """
-    return groups.ensure(
-        groups.known(KIND, VERSION),
-        KIND,
-        VERSION,
-        [("Color", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0)), *row_sockets()],
-        [("Color", "NodeSocketColor", None)],
-        _build,
-    )
-
-
-def row_sockets() -> list[groups.Socket]:
-    """The three row inputs, identity by default, as every group with a matrix has them."""
-    identity = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-    return [(name, "NodeSocketVector", row) for name, row in zip(ROWS, identity, strict=True)]
+    """The `Spectral Matrix` group of this file, made or updated."""
+    return groups.ensure(groups.known(KIND, VERSION), KIND, VERSION, INPUTS, OUTPUTS, _build)
 
 
 def set_matrix(node: bpy.types.Node, matrix) -> None:
@@ -45,13 +53,5 @@ def get_matrix(node: bpy.types.Node) -> list[list[float]]:
 
 
 def _build(tree: bpy.types.NodeTree) -> None:
-    given = groups.add(tree, "NodeGroupInput").outputs
-    dots = [
-        groups.add(
-            tree, "ShaderNodeVectorMath", given["Color"], given[row], operation="DOT_PRODUCT"
-        ).outputs["Value"]
-        for row in ROWS
-    ]
-    colour = groups.add(tree, "ShaderNodeCombineColor", *dots, mode="RGB")
-    groups.add(tree, "NodeGroupOutput", colour.outputs[0])
-    groups.arrange(tree)
+    given = inputs(tree)
+    groups.add(tree, "NodeGroupOutput", combine_rgb(*(given["Color"].dot(given[r]) for r in ROWS)))

@@ -12,10 +12,19 @@ from collections.abc import Iterable, Mapping
 import bpy
 
 from . import tree as groups
+from .tree import Socket
+from .value import inputs, vector_math
 
 KIND = "Spectral Texture"
 VERSION = 1
-OUTPUTS = ("Row R", "Row G", "Row B", "Sun", "Ground", "Lamp 1", "Lamp 2")
+LIGHTS = {
+    "Sun": "sunlight",
+    "Ground": "light from the ground",
+    "Lamp 1": "light of the first kind of lamps",
+    "Lamp 2": "light of the second kind of lamps",
+}
+ROWS = {"Row R": "First", "Row G": "Second", "Row B": "Third"}
+OUTPUTS = (*ROWS, *LIGHTS)
 CHANNELS = ("Red", "Green", "Blue")
 
 Values = list[list[float]]
@@ -33,14 +42,24 @@ def ensure() -> bpy.types.NodeTree:
         KIND,
         VERSION,
         [
-            ("Color", "NodeSocketColor", (1.0, 1.0, 1.0, 1.0)),
+            Socket(
+                "Color",
+                "Color",
+                "Color of the texture, linear and in the working space of the file",
+                (1.0, 1.0, 1.0, 1.0),
+            ),
             *(
-                (f"{channel} {name}", "NodeSocketVector", _default(name, k))
+                Socket(
+                    f"{channel} {name}",
+                    "Vector",
+                    f"{_meaning(name)}, for each unit of the color's {channel.lower()}",
+                    _default(name, k),
+                )
                 for name in OUTPUTS
                 for k, channel in enumerate(CHANNELS)
             ),
         ],
-        [(name, "NodeSocketVector", None) for name in OUTPUTS],
+        [Socket(name, "Vector", f"{_meaning(name)} at this point") for name in OUTPUTS],
         _build,
     )
 
@@ -77,30 +96,26 @@ def get_values(node: bpy.types.Node) -> dict[str, Values]:
     }
 
 
+def _meaning(name: str) -> str:
+    if name in ROWS:
+        return f"{ROWS[name]} row of the matrix for skylight"
+    return f"RGB reflected of {LIGHTS[name]}"
+
+
 def _default(name: str, channel: int) -> tuple[float, ...]:
     """RGB times RGB: a row has its own channel alone, at its place; a vector each channel."""
-    if name.startswith("Row") and name[-1] != CHANNELS[channel][0]:
+    if name in ROWS and name[-1] != CHANNELS[channel][0]:
         return (0.0, 0.0, 0.0)
     return tuple(float(axis == channel) for axis in range(3))
 
 
 def _build(tree: bpy.types.NodeTree) -> None:
-    given = groups.add(tree, "NodeGroupInput").outputs
-    weights = groups.add(tree, "ShaderNodeSeparateColor", given["Color"], mode="RGB").outputs
+    given = inputs(tree)
+    weights = dict(zip(CHANNELS, given["Color"].rgb(), strict=True))
     sums = []
     for name in OUTPUTS:
-        total = None
-        for channel, weight in zip(CHANNELS, weights, strict=True):
-            operation = "MULTIPLY" if total is None else "MULTIPLY_ADD"
-            node = groups.add(
-                tree,
-                "ShaderNodeVectorMath",
-                given[f"{channel} {name}"],
-                weight,
-                total,
-                operation=operation,
-            )
-            total = node.outputs[0]
-        sums.append(total)
+        red, green, blue = (given[f"{channel} {name}"] for channel in CHANNELS)
+        total = vector_math(tree, "MULTIPLY", red, weights["Red"])
+        total = green.multiply_add(weights["Green"], total)
+        sums.append(blue.multiply_add(weights["Blue"], total))
     groups.add(tree, "NodeGroupOutput", *sums)
-    groups.arrange(tree)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import bpy
 
@@ -12,8 +12,18 @@ KIND = "spectral_skylight_kind"
 VERSION = "spectral_skylight_version"
 VARIANT = "spectral_skylight_variant"
 
-# name, socket type ("NodeSocketVector", …), default value or None
-Socket = tuple[str, str, Any]
+
+class Socket(NamedTuple):
+    """An input or output of a group.
+
+    `type`: "Vector" for Blender's NodeSocketVector, and so on. `description`: what Blender shows as
+    its tooltip, and the group's page as its meaning. `default`: None leaves Blender's own.
+    """
+
+    name: str
+    type: str
+    description: str
+    default: Any = None
 
 
 def of_kind(kind: str) -> list[bpy.types.NodeTree]:
@@ -51,42 +61,70 @@ def ensure(
     tree: bpy.types.NodeTree | None,
     kind: str,
     version: int,
-    inputs: list[Socket],
-    outputs: list[Socket],
+    inputs: Sequence[Socket],
+    outputs: Sequence[Socket],
     build: Callable[[bpy.types.NodeTree], None],
     variant: str = "",
+    tree_type: str = "ShaderNodeTree",
 ) -> bpy.types.NodeTree:
     """A group of a kind at this version: the given one, brought up to date in place, or a new one.
 
     An older group, or one of another variant (what of a kind is inside), keeps its identity and its
     sockets, and with them (`interface.clear()` would lose them) its users' values and links;
-    missing sockets are added, the inside is built anew.
+    missing sockets are added, the inside is built anew. A group at this version gets the
+    descriptions that it lacks, which changes no shader.
     """
     if tree is None:
-        tree = bpy.data.node_groups.new(kind, "ShaderNodeTree")
+        tree = bpy.data.node_groups.new(kind, tree_type)
         tree[KIND] = kind
-    if tree.get(VERSION) == version and tree.get(VARIANT, "") == variant:
-        return tree
+        if tree_type == "GeometryNodeTree":
+            tree.is_modifier = True
+    current = tree.get(VERSION) == version and tree.get(VARIANT, "") == variant
     for in_out, sockets in (("INPUT", inputs), ("OUTPUT", outputs)):
-        for name, socket_type, value in sockets:
-            _ensure_socket(tree, in_out, name, socket_type, value)
-    tree.nodes.clear()
-    build(tree)
-    tree[VERSION], tree[VARIANT] = version, variant
+        for socket in sockets:
+            item = _find(tree, in_out, socket.name)
+            if item is not None:
+                _describe(tree, item, socket.description)
+            elif not current:
+                _add_socket(tree, in_out, socket)
+    if not current:
+        tree.nodes.clear()
+        build(tree)
+        arrange(tree)
+        tree[VERSION], tree[VARIANT] = version, variant
     return tree
 
 
-def _ensure_socket(
-    tree: bpy.types.NodeTree, in_out: str, name: str, socket_type: str, value: Any
-) -> None:
+def _find(
+    tree: bpy.types.NodeTree, in_out: str, name: str
+) -> bpy.types.NodeTreeInterfaceSocket | None:
     for item in tree.interface.items_tree:
         if item.item_type == "SOCKET" and item.in_out == in_out and item.name == name:
-            return
-    socket = tree.interface.new_socket(name, in_out=in_out, socket_type=socket_type)
+            return item
+    return None
+
+
+def _add_socket(tree: bpy.types.NodeTree, in_out: str, socket: Socket) -> None:
+    name, kind, description, value = socket
+    item = tree.interface.new_socket(
+        name, description=description, in_out=in_out, socket_type=f"NodeSocket{kind}"
+    )
     if value is not None:
-        socket.default_value = value
+        item.default_value = value
         for node in instances(tree):  # they have the new input already, at 0
             (node.inputs if in_out == "INPUT" else node.outputs)[name].default_value = value
+
+
+def _describe(
+    tree: bpy.types.NodeTree, item: bpy.types.NodeTreeInterfaceSocket, description: str
+) -> None:
+    """Set a tooltip; not again, for Blender then looks at all materials that show the group.
+
+    A group that overrides a library's has the library's tooltips: what would be written here is
+    lost when the file is opened again.
+    """
+    if item.description != description and tree.override_library is None:
+        item.description = description
 
 
 def instances(tree: bpy.types.NodeTree) -> Iterator[bpy.types.Node]:
@@ -126,20 +164,35 @@ def _value(socket: bpy.types.NodeSocket) -> Any:
     return tuple(value) if hasattr(value, "__len__") else value
 
 
-def add(tree: bpy.types.NodeTree, type_name: str, *sources: Any, **settings: Any) -> bpy.types.Node:
-    """A new node with its settings, its inputs in order linked (a socket) or set (a value).
+def add(
+    tree: bpy.types.NodeTree,
+    type_name: str,
+    *sources: Any,
+    into: Mapping[str, Any] | None = None,
+    **settings: Any,
+) -> bpy.types.Node:
+    """A new node with its settings, its inputs linked or set: in order, and by name.
 
-    None leaves an input as it is.
+    A source is a socket, a `value.Value` or what an input can hold; None leaves the input as it is.
+    Inputs that do not count under these settings are left out of the order: Blender 5.3 has put new
+    ones before those of old nodes.
     """
     node = tree.nodes.new(type_name)
-    for name, value in settings.items():
-        setattr(node, name, value)
-    for socket, source in zip(node.inputs, sources, strict=False):
-        if isinstance(source, bpy.types.NodeSocket):
-            tree.links.new(source, socket)
-        elif source is not None:
-            socket.default_value = source
+    for name, setting in settings.items():
+        setattr(node, name, setting)
+    for target, source in zip([s for s in node.inputs if s.enabled], sources, strict=False):
+        _feed(tree, target, source)
+    for name, source in (into or {}).items():
+        _feed(tree, node.inputs[name], source)
     return node
+
+
+def _feed(tree: bpy.types.NodeTree, target: bpy.types.NodeSocket, source: Any) -> None:
+    source = getattr(source, "socket", source)
+    if isinstance(source, bpy.types.NodeSocket):
+        tree.links.new(source, target)
+    elif source is not None:
+        target.default_value = source
 
 
 def arrange(tree: bpy.types.NodeTree) -> None:

@@ -199,6 +199,13 @@ spectral_material.apply(second, world, np.eye(3) * 0.5, **give)
 mesh.materials.append(second)
 mesh.polygons[3].material_index = 1
 frame("another material")
+for tree in bpy.data.node_groups:  # as made before sockets had tooltips
+    for item in tree.interface.items_tree:
+        item.description = ""
+frame("no tooltips")
+sky_light.ensure(world)
+assert all(item.description for tree in bpy.data.node_groups for item in tree.interface.items_tree)
+frame("tooltips")
 material.node_tree.nodes["Skylight Surface"].inputs["Normal"].hide_value = False
 tree = material.node_tree
 tree.links.new(tree.nodes.new("ShaderNodeNewGeometry").outputs["Tangent"],
@@ -234,4 +241,6 @@ def test_values_compile_no_shader(tmp_path):
         "degree": 0,
         "strength and rotation": 0,
         "another material": 0,
+        "no tooltips": 0,
+        "tooltips": 0,
     }

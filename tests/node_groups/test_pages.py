@@ -1,8 +1,7 @@
-"""The page of each node group says what the builder makes: version, sockets, types and defaults."""
+"""The page of each group has its version, and each socket with type, default and tooltip."""
 
 import ast
 import importlib
-import re
 from pathlib import Path
 
 import bpy
@@ -15,8 +14,6 @@ pytestmark = pytest.mark.blender
 
 FOLDER = Path(groups.__file__).parent
 PAGES = sorted(path.stem for path in FOLDER.glob("*.md") if path.stem != "README")
-# What a cell says of groups that lack a socket.
-LEFT_OUT = re.compile(r"\(not of \*(.*?)\*\)|^of \*(.*?)\* alone")
 
 
 def built(page):
@@ -34,37 +31,29 @@ def built(page):
     return [importlib.import_module(f"spectral_skylight.node_groups.{page}").ensure()]
 
 
-def rows(page, heading, kind):
-    """Name, type and, of inputs, default of each socket in one of a page's tables."""
-    found = []
+def table(page, heading):
+    """The rows of one of a page's tables, each by the headings of its columns."""
     lines = iter((FOLDER / f"{page}.md").read_text(encoding="utf-8").splitlines())
-    for line in lines:
-        if line.startswith(f"| {heading} |"):
-            next(lines)
-            break
+    titles = next(cells(line) for line in lines if line.startswith(f"| {heading} |"))
+    next(lines)
+    rows = []
     for line in lines:
         if not line.startswith("|"):
             break
-        names, *cells = (cell.strip() for cell in line.strip("|").split("|"))
-        said = LEFT_OUT.search(cells[-1])
-        without, alone = said.groups() if said else (None, None)
-        if without == kind or (alone and alone != kind):
-            continue
-        found += [
-            (name, *cells[: 2 if heading == "Input" else 1])
-            for name in re.findall("`(.*?)`", names)
-        ]
-    return found
+        rows.append(dict(zip(titles, cells(line), strict=True)))
+    return rows
+
+
+def cells(line):
+    return [cell.strip() for cell in line.strip("|").split("|")]
 
 
 def sockets(tree, in_out):
-    for item in tree.interface.items_tree:
-        if item.item_type == "SOCKET" and item.in_out == in_out:
-            yield item
-
-
-def number(text):
-    return ast.literal_eval(text) if text != "–" else None
+    return {
+        item.name: item
+        for item in tree.interface.items_tree
+        if item.item_type == "SOCKET" and item.in_out == in_out
+    }
 
 
 @pytest.mark.parametrize("page", PAGES)
@@ -75,20 +64,41 @@ def test_the_page_says_what_is_built(page):
         kind = tree[groups.KIND]
         assert f"`{kind}` version {tree[groups.VERSION]}" in text
         for heading, in_out in (("Input", "INPUT"), ("Output", "OUTPUT")):
-            told = rows(page, heading, kind)
-            made = list(sockets(tree, in_out))
-            assert sorted(name for name, *_ in told) == sorted(item.name for item in made)
-            by_name = {item.name: item for item in made}
-            for name, type_name, *default in told:
-                socket = by_name[name]
-                assert socket.socket_type == f"NodeSocket{type_name}", name
-                if default and (value := number(default[0])) is not None:
-                    given = socket.default_value
-                    given = tuple(given) if isinstance(value, tuple) else given
-                    assert given == pytest.approx(value), name
-                elif hasattr(socket, "default_value") and type_name in ("Vector", "Float", "Int"):
-                    given = socket.default_value
-                    assert not any(given) if type_name == "Vector" else given == 0, name
+            rows = [
+                row
+                for row in table(page, heading)
+                if row.get("Groups", "all") == "all" or kind in row["Groups"].split(", ")
+            ]
+            made = sockets(tree, in_out)
+            assert [row[heading].strip("`") for row in rows] == list(made)
+            for row, socket in zip(rows, made.values(), strict=True):
+                assert f"NodeSocket{row['Type']}" == socket.socket_type, socket.name
+                assert row["Meaning"] == socket.description, socket.name
+                if in_out == "INPUT":
+                    assert_default(row["Default"], socket)
+
+
+def assert_default(cell, socket):
+    """A dash is nothing, or 0 in each channel."""
+    value = getattr(socket, "default_value", None)
+    value = tuple(value) if hasattr(value, "__len__") else value
+    if cell != "–":
+        assert value == pytest.approx(ast.literal_eval(cell)), socket.name
+    elif value is not None:
+        assert not any(value) if isinstance(value, tuple) else value == 0, socket.name
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_each_socket_has_a_tooltip_as_blenders_are(page):
+    """A sentence that starts with a capital or a number; Blender sets the full stop itself."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    for tree in built(page):
+        for item in tree.interface.items_tree:
+            text = item.description
+            assert text and text == text.strip() and (text[0].isupper() or text[0].isdigit())
+            assert not text.endswith(".") and "  " not in text
+            assert not any(word in text.lower() for word in ("colour", "neighbour", "grey"))
+        bpy.data.node_groups.remove(tree)
 
 
 def test_every_builder_has_its_page():

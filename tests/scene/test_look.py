@@ -32,11 +32,11 @@ def surface_group(colour=(1.0, 1.0, 1.0)):
         "Stub",
         1,
         [
-            *((name, "NodeSocketVector", None) for name in spectral_texture.OUTPUTS),
-            ("Normal", "NodeSocketVector", None),
-            ("Alpha", "NodeSocketFloat", 1.0),
+            *(groups.Socket(name, "Vector", "") for name in spectral_texture.OUTPUTS),
+            groups.Socket("Normal", "Vector", ""),
+            groups.Socket("Alpha", "Float", "", 1.0),
         ],
-        [("Shader", "NodeSocketShader", None), ("Cycles", "NodeSocketShader", None)],
+        [groups.Socket("Shader", "Shader", ""), groups.Socket("Cycles", "Shader", "")],
         build,
     )
 
