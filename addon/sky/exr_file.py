@@ -9,8 +9,11 @@ them: OpenEXR for Python can end the process on a thumbnail.
 from __future__ import annotations
 
 import contextlib
+import io
+import os
+import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -36,16 +39,35 @@ def decode_by_openexr(path: Path, names: tuple[str, ...]) -> NDArray[np.float32]
 
     if names == ("R", "G", "B"):
         # At once where all are of one kind: so little more than the result is ever held.
-        with contextlib.suppress(ValueError), OpenEXR.File(str(path)) as file:
+        with contextlib.suppress(ValueError), quiet(), OpenEXR.File(str(path)) as file:
             planes = file.channels()
             whole = planes["RGB" if "RGB" in planes else "RGBA"].pixels
             return whole[..., :3].astype(np.float32, copy=False)
-    with OpenEXR.File(str(path), separate_channels=True) as file:
+    with quiet(), OpenEXR.File(str(path), separate_channels=True) as file:
+        if not file.parts:
+            raise ValueError("OpenEXR cannot unpack it")
         planes = file.channels()
         pixels = np.empty((*planes[names[0]].pixels.shape, len(names)), np.float32)
         for index, name in enumerate(names):
             pixels[..., index] = planes[name].pixels
     return pixels
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Keep off the terminal what libraries print of each damaged block: an error says it once."""
+    with contextlib.ExitStack() as stack:
+        stack.enter_context(contextlib.redirect_stdout(io.StringIO()))
+        with contextlib.suppress(OSError, ValueError):  # there may be no terminal
+            nothing = stack.enter_context(Path(os.devnull).open("wb"))
+            for number, stream in ((1, sys.__stdout__), (2, sys.__stderr__)):
+                if stream is not None:
+                    stream.flush()
+                kept = os.dup(number)
+                stack.callback(os.close, kept)
+                stack.callback(os.dup2, kept, number)
+                os.dup2(nothing.fileno(), number)
+        yield
 
 
 def look(

@@ -104,8 +104,9 @@ def _convert(rgb: NDArray[np.float32], said: Declared, raw: bool) -> None:
     if np.array_equal(matrix, np.eye(3)):
         return
     to_rec709 = matrix.T.astype(np.float32)
-    for row in range(0, len(rgb), 256):
-        rgb[row : row + 256] = rgb[row : row + 256] @ to_rec709
+    with np.errstate(over="ignore", invalid="ignore"):  # `from_pixels` finds what overflows
+        for row in range(0, len(rgb), 256):
+            rgb[row : row + 256] = rgb[row : row + 256] @ to_rec709
 
 
 def _clip_infinite(rgb: NDArray[np.float32]) -> int:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
 import sys
-from collections.abc import Iterator
+import tempfile
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...sky.exr_file import Decode, decode_by_openexr
+from ...sky.exr_file import Decode, decode_by_openexr, quiet, read_exr
 from ...sky.panorama import Panorama, read_panorama
 
 _PLACES = {"R": 0, "G": 1, "B": 2, "Y": 0}
@@ -31,13 +29,14 @@ def decode_by_blender(path: Path, names: tuple[str, ...]) -> NDArray[np.float32]
     """Unpack channels R, G, B or Y of a plain file by Blender, (h, w, k) float32, top row first.
 
     The numbers are those of the file to the last bit: tagged Non-Color nothing is converted.
+    Channels that could not be called so (`sky.exr_plain`) must be Blender's own Combined layer.
     Raises ValueError where Blender cannot unpack them.
     """
     import bpy
 
     if not {*names} <= _PLACES.keys():
-        raise ValueError("Blender cannot tell its layers apart")
-    with _quiet():
+        return _combined(path, names)
+    with quiet():
         image = bpy.data.images.load(str(path))
         try:
             image.colorspace_settings.name = "Non-Color"
@@ -54,17 +53,26 @@ def decode_by_blender(path: Path, names: tuple[str, ...]) -> NDArray[np.float32]
     return np.ascontiguousarray(pixels[..., [_PLACES[name] for name in names]])
 
 
-@contextlib.contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep off the terminal what Blender prints of each damaged block: the error says it once."""
-    with contextlib.ExitStack() as stack:
-        with contextlib.suppress(OSError, ValueError):  # a Blender that has no terminal
-            for stream in (sys.stdout, sys.stderr):
-                stream.flush()
-            nothing = stack.enter_context(open(os.devnull, "wb"))  # noqa: PTH123 - no path
-            for number in (1, 2):
-                kept = os.dup(number)
-                stack.callback(os.close, kept)
-                stack.callback(os.dup2, kept, number)
-                os.dup2(nothing.fileno(), number)
-        yield
+def _combined(path: Path, names: tuple[str, ...]) -> NDArray[np.float32]:
+    """Unpack a layer of several by having Blender save it anew, packed in a way that is simple."""
+    import bpy
+
+    with tempfile.TemporaryDirectory(prefix="skylight-") as folder, quiet():
+        copy = Path(folder) / "layers.exr"
+        scene = bpy.data.scenes.new("Skylight Layers")
+        image = bpy.data.images.load(str(path))
+        try:
+            settings = scene.render.image_settings
+            if hasattr(settings, "media_type"):
+                settings.media_type = "MULTI_LAYER_IMAGE"
+            settings.file_format, settings.color_depth = "OPEN_EXR_MULTILAYER", "32"
+            settings.exr_codec = "ZIP"
+            if 0 in image.size[:] and image.type == "MULTILAYER":  # asking makes Blender load it
+                image.save_render(str(copy), scene=scene)
+        finally:
+            bpy.data.batch_remove([image, scene])
+        if copy.is_file():
+            pixels, header = read_exr(copy, copy.stat().st_size, decode_by_blender)
+            if header["layer"] == names[0].rpartition(".")[0] and header["channels"] == "RGB":
+                return pixels
+    raise ValueError("Blender cannot tell its layers apart")
