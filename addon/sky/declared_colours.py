@@ -27,6 +27,7 @@ SPACES = {
     "ACES2065-1": (0.7347, 0.2653, 0.0, 1.0, 0.0001, -0.077, *ACES),
     "Linear DCI-P3 D65": (0.68, 0.32, 0.265, 0.69, 0.15, 0.06, *D65),
     "Linear Adobe RGB": (0.64, 0.33, 0.21, 0.71, 0.15, 0.06, *D65),
+    "Linear FilmLight E-Gamut": (0.8, 0.3177, 0.18, 0.9, 0.065, -0.0805, *D65),
 }
 """Chromaticities of red, green, blue and white of what Blender calls these colour spaces."""
 
@@ -39,6 +40,7 @@ INTEROP = {
     "ap0": "ACES2065-1",
     "p3d65": "Linear DCI-P3 D65",
     "adobergb": "Linear Adobe RGB",
+    "egamut": "Linear FilmLight E-Gamut",
     "ciexyzd65": XYZ_D65,
 }
 """Blender's name of a colour space by the middle word of its ``colorInteropID``."""
@@ -125,7 +127,8 @@ def _matrix(chromaticities: Any, told: list[str]) -> NDArray[np.float64] | None:
         (xr, yr, xg, yg, xb, yb) = xy[:6]
         area = abs((xg - xr) * (yb - yr) - (xb - xr) * (yg - yr))
         if area > 1e-3 and all(abs(y) > 1e-6 for y in xy[1::2]):
-            matrix = primaries_to_rec709(xy)
+            with np.errstate(all="ignore"):  # whites that no eye adapts to
+                matrix = primaries_to_rec709(xy)
             if np.isfinite(matrix).all():
                 return matrix
     told.append("its header names primaries that cannot be any: not converted")

@@ -67,7 +67,9 @@ def _height(world: bpy.types.World, output: bpy.types.Node | None) -> int:
         place, image = f'World "{world.name}"', node.image
         if image is None:
             raise InputError(place, f'"{node.name}" has no image', "open a sky HDRI in it")
-        if image.source == "FILE" and 0 in image.size:  # asking makes Blender load the file
+        if 0 in image.size and image.type == "MULTILAYER":  # asking makes Blender load the file
+            continue  # of several layers Blender says no size
+        if image.source == "FILE" and 0 in image.size:
             file = bpy.path.abspath(image.filepath, library=image.library)
             what = f'image "{image.name}" cannot be read from "{file}"'
             raise InputError(place, what, "restore or pack the file")

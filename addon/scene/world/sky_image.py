@@ -33,13 +33,17 @@ def load(path: Path, raw: bool = False) -> bpy.types.Image:
     Raises InputError where `sky.panorama.read_panorama` does; nothing is loaded then.
     """
     sky = read_sky(path, raw)
-    if sky.space:
-        image = bpy.data.images.load(str(path), check_existing=True)
-        if image.users and image.colorspace_settings.name != sky.space and not raw:
-            image = bpy.data.images.load(str(path))  # another World shows it otherwise
-        if image.users or _tag(image, sky.space):
+    if not sky.space:
+        return _packed(path, sky, raw)
+    for image in bpy.data.images:
+        tag = image.colorspace_settings.name
+        if image.users and image.library is None and tag == sky.space and is_of(image, path):
             return image
-        bpy.data.images.remove(image)
+    image = bpy.data.images.load(str(path))
+    # Blender knows some colour spaces by names of theirs that we do not: its choice stands.
+    if sky.space == DEFAULT_SPACE or _tag(image, sky.space):
+        return image
+    bpy.data.images.remove(image)
     return _packed(path, sky, raw)
 
 
