@@ -26,6 +26,7 @@ from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.sky.light import SkyLight, analyse
 from spectral_skylight.addon.sky.panorama import read_panorama, write_panorama
 from spectral_skylight.addon.spectra.reflectance import read_reflectances
+from spectral_skylight.addon.transfer.known_light import KnownLight
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.addon.transfer.prediction import predict, rgb_albedo
@@ -100,7 +101,7 @@ class MainJob:
             json.dumps(dict(zip(self.checker.names, matrices.tolist(), strict=True)), indent=1)
         )
         self.albedos = rgb_albedo(self.checker.values)
-        self.prediction = predict(self.transfer, self.checker.values, self.light.faces, elevation)
+        self.prediction = predict(self.transfer, self.checker.values, KnownLight.of(self.light))
 
     def build_scenes(self) -> None:
         import scenes

@@ -3,14 +3,14 @@
 import bpy
 import numpy as np
 
-from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon import tags
 from spectral_skylight.node_groups import sky_visibility
 
 
 def material():
     """A material that counts as managed."""
     found = bpy.data.materials.new("Matt")
-    found[nodes.MANAGED] = {"id": "test"}
+    found[tags.MATERIAL] = {"id": "test"}
     return found
 
 

@@ -16,7 +16,7 @@ from spectral_skylight.addon.batch.scenes import NOT_IN_PICTURES
 
 ROOT = Path(__file__).resolve().parents[1]
 
-BASE = {"errors", "atomic_file", "progress", "source_hash", "whole_files"}
+BASE = {"errors", "tags", "atomic_file", "progress", "source_hash", "whole_files"}
 """Files under all rooms, of Python's own modules alone."""
 
 MAY_IMPORT = {
@@ -28,7 +28,7 @@ MAY_IMPORT = {
     "pictures": BASE | {"spectra", "sky", "transfer"},
     "node_groups": set(),
     "scene": BASE | {"spectra", "sky", "transfer", "pictures", "node_groups"},
-    "ui": BASE | {"scene", "spectra", "pictures", "batch"},
+    "ui": BASE | {"scene", "spectra", "transfer", "pictures", "batch"},
     "registration": {"ui", "cli"},
     "cli": BASE | {"commands"},
     "commands": BASE | {"spectra", "sky", "transfer", "evaluation", "pictures", "scene", "batch"},
@@ -77,14 +77,19 @@ class Import:
         return f"{self.path.relative_to(ROOT)}:{self.line} imports {self.module}"
 
 
+def _for_types(block):
+    """Whether a block is for the type checker alone, and never run."""
+    return isinstance(block, ast.If) and ast.unparse(block.test) == "TYPE_CHECKING"
+
+
 def imports(path):
     """Every import of a file; relative ones resolved to a path under the root, with dots."""
     tree = ast.parse(path.read_text(encoding="utf-8"))
     late = {
         id(node)
-        for function in ast.walk(tree)
-        if isinstance(function, ast.FunctionDef | ast.AsyncFunctionDef)
-        for node in ast.walk(function)
+        for block in ast.walk(tree)
+        if isinstance(block, ast.FunctionDef | ast.AsyncFunctionDef) or _for_types(block)
+        for node in ast.walk(block)
     }
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):

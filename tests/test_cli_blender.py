@@ -10,6 +10,7 @@ import pytest
 from spectral_skylight.addon import cli
 from spectral_skylight.addon.scene.files import blend_file
 from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.scene.materials.assigned import assigned
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 from spectral_skylight.tests import exr
 
@@ -160,3 +161,22 @@ def test_output_folder_that_is_not_there(folder, capfd, monkeypatch):
     arguments = ["apply", "scene.blend", "--sky", "sky.exr", "--assign", "Wall=paint.csv:red"]
     assert cli.main([*arguments, "--out", "none/out.blend"]) == 2
     assert "none" in capfd.readouterr().err
+
+
+def test_a_table_of_assignments_is_written_and_read(folder, monkeypatch):
+    """A closed block of glass, an estimate and a reflectance, by options and by a table."""
+    monkeypatch.chdir(folder)
+    first = ["apply", "scene.blend", "--sky", "sky.exr", "--estimate", "Floor"]
+    first += ["--glass-block", "Wall=paint.csv:red", "--write-assignments", "table.csv"]
+    assert cli.main([*first, "--out", "block.blend"]) == 0
+    table = (folder / "table.csv").read_text().splitlines()
+    assert table[1:] == ["Floor,estimate,,,,,", "Wall,,paint.csv:red,,,block,fraction"]
+    again = ["apply", "scene.blend", "--sky", "sky.exr", "--assignments", "table.csv"]
+    assert cli.main([*again, "--out", "again.blend"]) == 0
+    seen = []
+    for name in ("block.blend", "again.blend"):
+        blend_file.open_scene(folder / name)
+        pane = assigned(bpy.data.materials["Wall"])
+        assert pane.faces == 2 and pane.values[0] == pytest.approx(0.05)
+        seen.append(spectral_material.managed(bpy.data.materials["Floor"]).matrix)
+    assert seen[0] == seen[1]

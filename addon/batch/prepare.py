@@ -107,11 +107,10 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
     """Write one prepared file, then its record."""
     import bpy
 
-    from ..scene import baking, spectral
+    from ..scene import use_cases
     from ..scene.files import blend_file
-    from ..scene.materials import spectral_material
     from ..scene.world import hdri as worlds
-    from ..scene.world.settings import BAKED, Settings
+    from ..scene.world.settings import Settings
     from ..transfer.white import AUTO
 
     scene = blend_file.open_scene(wanted.scene.path)
@@ -122,7 +121,7 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
     )
     if wanted.sky.sun is not None:
         settings = replace(settings, sun_elevation=wanted.sky.sun[0])
-    kept = {each: spectral_material.kept(each) for each in spectral.in_scene(scene)}
+    kept = use_cases.given_before(use_cases.in_scene(scene))
     if wanted.sky.north is not None:
         scene.world = None  # or one that shows this sky, turned as the scene wants it, would stay
     world = worlds.set_sky(scene, sky)
@@ -130,29 +129,28 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
         _turn(world, wanted.sky.north)
     notes = []
     if estimated:
-        settings, line = spectral.with_estimated_white(world, settings)
+        settings, line = use_cases.with_estimated_white(world, settings)
         notes.append(line)
-    given = wanted.variant.reflectances
-    targets = {**kept, **{blend_file.material(name): found for name, found in given.items()}}
-    light, results = spectral.make_spectral(world, targets, settings)
-    if settings.occlusion == BAKED:
-        run(baking.bake(world, settings))
-        light, results = spectral.update(world, settings, targets)
+    named = {blend_file.material(name): one for name, one in wanted.variant.given.items()}
+    given = {**kept, **use_cases.resolved(named)}
+    found = run(use_cases.making_spectral_with_all_light(scene, given, settings))
+    light = found.light
+    assert light is not None  # every plan has a sky
     elsewhere = [line for image in bpy.data.images if (line := _carry(image, study.out / FOLDER))]
     path = study.out / wanted.blend
     blend_file.save(path)
-    found = {
+    record = {
         "name": wanted.name,
         "scene": wanted.scene.path.stem,
         "sky": wanted.sky.name,
         "variant": wanted.variant.name,
         "sun": wanted.sky.sun or (light.sun and (light.sun.elevation, light.sun.azimuth)),
         "blender": bpy.app.version_string,
-        "materials": [asdict(result) for result in results],
+        "materials": [asdict(result) for result in found.results],
         "notes": [*notes, *light.notes],
         "elsewhere": elsewhere,
     }
-    write_json(path.with_suffix(".json"), found)
+    write_json(path.with_suffix(".json"), record)
 
 
 def _turn(world: Any, north: float) -> None:

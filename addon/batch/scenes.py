@@ -70,7 +70,7 @@ def _look(study: Study, path: Path) -> SceneFile:
         raise InputError(path, "has no camera", "add one")
     known = [material.name for material in bpy.data.materials]
     for variant in study.variants:
-        for name in variant.reflectances:
+        for name in variant.given:
             if name not in known:
                 raise _absent(f"{path}, variant {variant.name}", "material", name, known)
             spectral_material.check_editable(blend_file.material(name))

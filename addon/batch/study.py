@@ -5,7 +5,6 @@ Everything that can be told without Blender is checked here.
 
 from __future__ import annotations
 
-import csv
 import datetime
 import hashlib
 import json
@@ -14,10 +13,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ..errors import InputError
+from ..transfer.assignment import Assignment
+from ..transfer.assignment_table import read_table
 from .toml_table import Table, read_toml
 
 KEYS = {
@@ -64,11 +62,11 @@ class Sky:
 
 @dataclass(frozen=True)
 class Variant:
-    """Materials' reflectances, (name, (81,)) by material."""
+    """What materials are given, by their names; None where their base color is to tell."""
 
     name: str
     content: str
-    reflectances: dict[str, tuple[str, NDArray[np.float64]]]
+    given: dict[str, Assignment | None]
 
 
 @dataclass(frozen=True)
@@ -89,7 +87,7 @@ class Study:
     quality: str
     sky_width: int
     settings: dict[str, Any] = field(default_factory=dict)
-    """Options of `spectral.Settings`."""
+    """Options of `scene.world.settings.Settings`."""
 
     @property
     def plan(self) -> Path:
@@ -215,52 +213,11 @@ def _variants(table: Table, here: Path) -> tuple[Variant, ...]:
     for number, values in enumerate(found, 1):
         one = Table(f"{table.place}, variants {number}", values, VARIANT_KEYS)
         name, assign = one.text("name"), one.text("assign", None)
-        given = {} if assign is None else _assigned(_file(one.place, here / assign), here)
-        content = content_hash({m: [name, rho.tolist()] for m, (name, rho) in given.items()})
+        given = {} if assign is None else read_table(_file(one.place, here / assign), (here,))
+        content = content_hash({m: one and one.content for m, one in given.items()})
         variants.append(Variant(name, content, given))
     _once(table, "variants", [variant.name for variant in variants])
     return tuple(variants)
-
-
-def _assigned(path: Path, here: Path) -> dict[str, tuple[str, NDArray[np.float64]]]:
-    """Read which material has which reflectance; FILE.csv:COLUMN is relative to its own folder."""
-    from ..spectra.formats import checkers
-    from ..spectra.reflectance import read_assigned, split_assignment
-
-    found: dict[str, tuple[str, NDArray[np.float64]]] = {}
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError(path, "is not UTF-8 text", "save it as UTF-8") from None
-    lines = [line for line in text.splitlines() if not line.lstrip().startswith("#")]
-    delimiter = max(",;\t", key=lines[0].count) if lines else ","
-    rows = csv.DictReader(lines, delimiter=delimiter, skipinitialspace=True)
-    names = [name.strip() for name in rows.fieldnames or ()]
-    for wanted in _COLUMNS:
-        if wanted not in names:
-            held = ", ".join(names) or "none"
-            raise InputError(path, f'has no column "{wanted}"', f"its columns are {held}")
-    rows.fieldnames = names
-    for row in rows:
-        place = f"{path}, line {rows.line_num}"
-        material, reflectance = (str(row[key] or "").strip() for key in _COLUMNS)
-        if not (material or reflectance):
-            continue
-        if not (material and reflectance):
-            raise InputError(place, "is half empty", "give material and reflectance")
-        if material in found:
-            raise InputError(place, f'names "{material}" again', "give each material once")
-        if not checkers.recognises(reflectance):  # which lies in no folder
-            beside, _ = split_assignment(str(path.parent / reflectance))
-            folder = path.parent if Path(beside).is_file() else here
-            reflectance = str(folder / reflectance)
-        found[material] = read_assigned(reflectance)
-    if not found:
-        raise InputError(path, "assigns nothing", "give material and reflectance in each line")
-    return found
-
-
-_COLUMNS = ("material", "reflectance")
 
 
 def _file(place: str, path: Path) -> Path:

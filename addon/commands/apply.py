@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError
 from .arguments import add_matrix_options, basis_name
 from .progress_bar import run_with_bar
+
+if TYPE_CHECKING:
+    from ..transfer.assignment import Assignment
 
 
 def add(commands: Any) -> None:
@@ -47,6 +49,24 @@ def add(commands: Any) -> None:
         type=_assignment,
         metavar="MATERIAL=FILE.csv[:COLUMN]",
         help="a glazing by its transmittance, measured at normal incidence",
+    )
+    parser.add_argument(
+        "--glass-block",
+        action="append",
+        default=[],
+        type=_assignment,
+        metavar="MATERIAL=FILE.csv[:COLUMN]",
+        help="as --glass, of a mesh that has a face on either side of the pane",
+    )
+    parser.add_argument(
+        "--assignments",
+        metavar="FILE.csv",
+        help="a table of materials and what they are given; the options above go before it",
+    )
+    parser.add_argument(
+        "--write-assignments",
+        metavar="FILE.csv",
+        help="write what all materials have been given as such a table too",
     )
     parser.add_argument(
         "--behind",
@@ -121,91 +141,51 @@ def _settings(options: argparse.Namespace) -> Any:
     )
 
 
-@dataclass(frozen=True)
-class _Spectra:
-    """What the options' files hold, by the names of materials, read before the scene is opened.
+def _read(options: argparse.Namespace) -> dict[str, Assignment | None]:
+    """Read what materials are given, by their names, before the scene is opened.
 
-    Reflectances and transmittances (name, (81,)); from where to where [nm] reflectances were
-    measured; n and k (81,) of metals.
+    None for those whose base color is to tell.
     """
+    from ..transfer import assignment
+    from ..transfer.assignment_table import read_table
 
-    reflectances: dict[str, Any]
-    measured: dict[str, tuple[float, float]]
-    metals: dict[str, Any]
-    glazings: dict[str, Any]
-    behind: dict[str, Any]
-
-
-def _read(options: argparse.Namespace) -> _Spectra:
-    from ..spectra.formats.igsdb import TRANSMITTANCE
-    from ..spectra.reflectance import read_one
-    from ..spectra.refraction import read_nk
-    from ..transfer.metals import conductor
-
-    if not (options.assign or options.estimate or options.metal):
+    named = [name for name, _ in (*options.assign, *options.metal, *options.glass)]
+    named += [name for name, _ in options.glass_block] + options.estimate
+    if not (named or options.assignments):
         raise InputError("--assign", "names no material", "give MATERIAL=FILE.csv or --estimate")
-    given = [name for name, _ in (*options.assign, *options.metal, *options.glass)]
-    given += options.estimate
-    for name in given:
-        if given.count(name) > 1:
+    for name in named:
+        if named.count(name) > 1:
             raise InputError(f"--assign {name}", "is given twice", "give each material once")
-    read = [
-        {name: read_one(text, options.unit, quantity) for name, text in pairs}
-        for pairs, quantity in (
-            (options.assign, ""),
-            (options.glass, TRANSMITTANCE),
-            (options.behind, TRANSMITTANCE),
-        )
-    ]
-    curves: list[dict[str, Any]] = [
-        {name: (one.names[0], one.values[0]) for name, one in each.items()} for each in read
-    ]
-    measured = {name: one.measured for name, one in read[0].items()}
-    metals = {name: read_nk(text) for name, text in options.metal}
-    for name, text in options.metal:
-        curves[0][name] = (text, conductor(*metals[name]))
-    return _Spectra(curves[0], measured, metals, *curves[1:])
-
-
-def _targets(options: argparse.Namespace, spectra: _Spectra) -> dict[Any, Any]:
-    """Return the open file's materials and their reflectances (name, (81,))."""
-    from ..scene.files import blend_file
-    from ..scene.materials import base_color
-
-    targets = {blend_file.material(name): given for name, given in spectra.reflectances.items()}
-    for name in options.estimate:
-        material = blend_file.material(name)
-        targets[material] = (base_color.ESTIMATED, base_color.estimated(material))
-    for name, (glass, transmittance) in spectra.behind.items():
-        if (material := blend_file.material(name)) not in targets:
+    given: dict[str, Assignment | None] = {}
+    if options.assignments:
+        given |= read_table(Path(options.assignments))
+    given |= {name: assignment.read(file, unit=options.unit) for name, file in options.assign}
+    for pairs, faces in (
+        (options.glass, assignment.SINGLE_FACE),
+        (options.glass_block, assignment.BLOCK),
+    ):
+        for name, file in pairs:
+            given[name] = assignment.read(file, unit=options.unit, faces=faces)
+    given |= {name: assignment.read_metal(file) for name, file in options.metal}
+    given |= dict.fromkeys(options.estimate)
+    for name, file in options.behind:
+        surface = given.get(name)
+        if surface is None or surface.faces:
             raise InputError(f"--behind {name}", "has no reflectance", "give it one by --assign")
-        reflectance, values = targets[material]
-        targets[material] = (f"{reflectance} behind {glass}", values * transmittance)
-    return targets
-
-
-def _metals(spectra: _Spectra) -> dict[Any, Any]:
-    """Return the open file's materials that are metals, with n and k."""
-    from ..scene.files import blend_file
-    from ..scene.materials import glass_and_metal
-
-    metals = {blend_file.material(name): nk for name, nk in spectra.metals.items()}
-    for material in metals:
-        glass_and_metal.check_metal(material)
-    return metals
+        glass = assignment.read(file, unit=options.unit, faces=assignment.SINGLE_FACE)
+        given[name] = surface.lit_through(glass)
+    return given
 
 
 def run(options: argparse.Namespace) -> None:
     """Write the blend file, and print what each material was given."""
-    from ..scene import baking, spectral
+    from ..scene import use_cases
     from ..scene.blend_data import working_space
     from ..scene.files import blend_file
     from ..scene.lights import user_lamps
-    from ..scene.world import light_group
-    from ..scene.world.settings import BAKED
     from ..transfer.white import AUTO
 
-    spectra, settings = _read(options), _settings(options)
+    read, settings = _read(options), _settings(options)
     scene = blend_file.open_scene(options.scene)
     if options.space not in (None, working_space.name()):
         raise InputError(
@@ -216,24 +196,20 @@ def run(options: argparse.Namespace) -> None:
     for name, spectrum in options.lamp:
         file = Path(spectrum)  # the blend file may move
         spectrum = str(file.resolve()) if file.parent.is_dir() and file.suffix else spectrum
-        blend_file.lamp(name).data[user_lamps.SPECTRUM] = spectrum
+        user_lamps.set_spectrum(blend_file.lamp(name).data, spectrum)
     if options.sky is not None:
-        spectral.set_sky(scene, options.sky, settings)
-    said = []
+        use_cases.set_sky(scene, options.sky, settings)
+    lines = []
     if options.white == AUTO:
-        settings, line = spectral.with_estimated_white(scene.world, settings)
-        said.append(line)
-    targets, metals = _targets(options, spectra), _metals(spectra)
-    world = spectral.develop(scene, settings)
-    measured = {blend_file.material(name): span for name, span in spectra.measured.items()}
-    glazings = {blend_file.material(n): (*pane, 1) for n, pane in spectra.glazings.items()}
-    light, results = spectral.make_spectral(world, targets, settings, metals, measured, glazings)
-    if settings.occlusion == BAKED:
-        said += run_with_bar(baking.bake(world, settings), "bake")
-        light, results = spectral.update(world, settings, targets)
+        settings, line = use_cases.with_estimated_white(scene.world, settings)
+        lines.append(line)
+    given = use_cases.resolved({blend_file.material(name): one for name, one in read.items()})
+    found = run_with_bar(use_cases.making_spectral_with_all_light(scene, given, settings), "apply")
     blend_file.save(options.out)
-    for result in results:
+    if options.write_assignments:
+        use_cases.write_table(Path(options.write_assignments))
+    for result in found.results:
         print(result.line)
-    description = light_group.description_of(world) or {}
-    for line in (*said, *light.notes, *description["lights"], description["caption"]):
+    notes = found.light.notes if found.light is not None else []
+    for line in (*lines, *found.lines, *notes, *use_cases.light_lines(scene.world)):
         print(line)

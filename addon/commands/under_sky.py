@@ -49,25 +49,26 @@ def choose(options: argparse.Namespace, reflectances: Any) -> UnderSky:
     from ..sky.light import analyse
     from ..spectra.sensitivities import camera, observer
     from ..spectra.working_spaces import rec709_to_working
-    from ..transfer.choice import choose_with, doubt
+    from ..transfer.choice import choose_with
+    from ..transfer.known_light import KnownLight
     from ..transfer.matrices import transfer
     from ..transfer.white import AUTO, estimate_white, settle_white
 
-    lights, light, notes, doubted = None, None, [], ""
+    lights, light, known, notes = None, None, None, []
     white, elevation = options.white, options.sun_elevation
     if options.sky_rgb is not None:
         if not np.isfinite(options.sky_rgb).all():
             raise InputError("--sky-rgb", "is not finite", "give three numbers R,G,B")
         lights = np.array([options.sky_rgb])
+        known = KnownLight(lights, elevation)
     elif options.sky is not None:
         S_in = observer() if options.camera is None else camera(options.camera)
         if isinstance(white, tuple):
             S_in = S_in / np.array(white)[:, None]
         light = analyse(read_sky(options.sky, raw=options.camera is not None), S_in=S_in)
         elevation = light.sun_elevation(elevation)
-        lights = light.faces
-        if options.camera is None:
-            lights = lights @ rec709_to_working(options.space).T
+        to_working = None if options.camera else rec709_to_working(options.space)
+        lights = light.faces if to_working is None else light.faces @ to_working.T
     mapping = partial(
         transfer,
         camera=options.camera,
@@ -76,22 +77,23 @@ def choose(options: argparse.Namespace, reflectances: Any) -> UnderSky:
         sky_rgb=lights,
     )
     if light is not None:
-        to_working = None if options.camera else rec709_to_working(options.space)
         white, note = settle_white(
             white, lambda: estimate_white(light, mapping("rayleigh"), elevation, to_working)
         )
         notes = [*light.notes, note] if note else light.notes
-        doubted = doubt(light, tinted=bool(note) and options.white is None)
+        known = KnownLight.of(
+            light,
+            elevation,
+            white_is_doubtful=bool(note) and options.white is None,
+            to_working=to_working,
+        )
     elif white == AUTO:
         raise InputError("--white auto", "there is no sky to estimate it from", "give --sky HDRI")
     choice = choose_with(
         partial(mapping, white=white),
         basis_name(options),
         reflectances,
-        lights,
-        elevation,
+        known,
         options.tolerance,
-        light.outside.foreign if light else 0.0,
-        doubted,
     )
     return UnderSky(choice, light, lights, white, elevation, notes)

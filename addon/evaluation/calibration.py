@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..spectra.sensitivities import observer
 from ..transfer.choice import FULL, TOLERANCE, choose
+from ..transfer.known_light import KnownLight
 from ..transfer.matrices import transfer
 from ..transfer.measures import delta_E
 from .evaluation import of_one_luminance, one_each, true_colours
@@ -125,7 +126,7 @@ def calibrate(
         mapping = transfer(camera=camera)
         seen = lights[of] @ mapping.S_in.T
         mapping = transfer(basis, camera=camera, sun_elevation=elevations[of[0]], sky_rgb=seen)
-        choice = choose(mapping, rho, seen, elevations[of[0]], tolerance)
+        choice = choose(mapping, rho, KnownLight(seen, elevations[of[0]]), tolerance)
         assert choice.prediction is not None
         true.append(_case_errors(mapping.matrices(rho), seen, lights[of], rho))
         predicted.append(choice.prediction.bound[FULL])

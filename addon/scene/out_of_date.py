@@ -6,11 +6,11 @@ import json
 
 import bpy
 
+from .. import tags
+from ..transfer.assignment import ESTIMATED
 from .bake import scene_bake
 from .materials import base_color, spectral_material
-from .world.settings import BAKED, stored
-
-UNBAKED = "spectral_skylight_unbaked"  # on a scene: names of objects whose bake is missing or old
+from .world.settings import BAKED, Settings, stored
 
 
 def colour(material: bpy.types.Material) -> str:
@@ -19,10 +19,10 @@ def colour(material: bpy.types.Material) -> str:
     Only for a reflectance that came from there: an estimate, or one that a texture varies.
     """
     managed = spectral_material.managed(material)
-    source = None if managed is None else managed.extra.get("source")
-    if managed is None or source is None or source == base_color.source(material):
+    source = None if managed is None else managed.details.source
+    if managed is None or source is None or source == tuple(base_color.source(material)):
         return ""
-    if managed.reflectance_name == base_color.ESTIMATED:
+    if managed.record.reflectance == ESTIMATED:
         return "its base color has changed since it was estimated"
     return "its texture has changed since it was measured against"
 
@@ -33,15 +33,15 @@ def look_at_bakes(scene: bpy.types.Scene) -> list[str]:
     It evaluates the scene: for a button, not for a panel's drawing.
     """
     names = [obj.name for obj in scene_bake.stale()] if are_shown(scene) else []
-    scene[UNBAKED] = json.dumps(names)
+    scene[tags.UNBAKED] = json.dumps(names)
     return names
 
 
 def are_shown(scene: bpy.types.Scene) -> bool:
     """Whether a scene's materials show bakes."""
-    return scene.world is not None and stored(scene.world).get("occlusion") == BAKED
+    return scene.world is not None and (stored(scene.world) or Settings()).occlusion == BAKED
 
 
 def unbaked(scene: bpy.types.Scene) -> list[str]:
     """What `look_at_bakes` kept."""
-    return json.loads(scene.get(UNBAKED, "[]"))
+    return json.loads(scene.get(tags.UNBAKED, "[]"))

@@ -8,10 +8,12 @@ from collections.abc import Hashable
 import bpy
 
 from ...node_groups import skylight_surface
+from .. import tags
 from ..pictures.portrait import Portrait, plain
-from .materials import base_color, rgb_comparison, spectral_material
+from ..transfer.assignment import ESTIMATED
+from .materials import rgb_comparison, spectral_material
 from .world import hdri as worlds
-from .world import light_group, settings
+from .world import light_group
 
 
 def portrait(material: bpy.types.Material) -> Portrait | None:
@@ -21,17 +23,17 @@ def portrait(material: bpy.types.Material) -> Portrait | None:
     update.
     """
     managed = spectral_material.managed(material)
-    if managed is None or "values" not in managed.extra:
+    if managed is None or not managed.details.values:
         return None
     sky = (light_group.description_of(managed.world) if managed.world else None) or {}
     matrix, today = rgb_comparison.matrices(material, managed.matrix)
     return Portrait(
-        name=managed.reflectance_name,
-        reflectance=plain(managed.extra["values"]),
+        name=managed.record.reflectance,
+        reflectance=plain(managed.details.values),
         matrix=plain(matrix),
         spectrum=plain(sky.get("spectrum")),
-        measured=plain(managed.extra.get("measured")),
-        estimated=managed.reflectance_name == base_color.ESTIMATED,
+        measured=plain(managed.details.measured),
+        estimated=managed.record.reflectance == ESTIMATED,
         today=plain(today),
     )
 
@@ -43,11 +45,11 @@ def sky_key(world: bpy.types.World) -> tuple[Hashable, ...] | None:
     """
     sky = worlds.sky_of(world)
     surface = skylight_surface.find(world)
-    described = None if surface is None else surface.get(light_group.DESCRIPTION)
+    described = None if surface is None else surface.get(tags.LIGHT)
     if sky.image is None and described is None:
         return None
     file = () if sky.image is None else (sky.image.filepath, tuple(sky.image.size))
-    return world.session_uid, sky.name, file, world.get(settings.SETTINGS), described
+    return world.session_uid, sky.name, file, world.get(tags.SETTINGS), described
 
 
 def expected() -> list[tuple[str, float, float]]:
@@ -57,8 +59,8 @@ def expected() -> list[tuple[str, float, float]]:
     """
     found = ((m.name, spectral_material.managed(m)) for m in spectral_material.managed_materials())
     rows = [
-        (name, managed.extra["rgb_delta_E"], managed.extra["matrix_delta_E"])
+        (name, managed.details.result.rgb_delta_E, managed.details.result.matrix_delta_E)
         for name, managed in found
-        if managed is not None and "rgb_delta_E" in managed.extra
+        if managed is not None and managed.details.result is not None
     ]
     return sorted(rows, key=lambda row: math.inf if math.isnan(row[1]) else -row[1])

@@ -33,7 +33,9 @@ def find(
     known = dict(reflectances)
     for material in spectral_material.managed_materials(world):
         if material not in known:
-            known[material] = spectral_material.kept(material)[1]
+            managed = spectral_material.managed(material)
+            if managed is not None and managed.details.values:
+                known[material] = managed.values
     rho = np.array(list(known.values())).reshape(-1, 81)
     baked = settings.occlusion == BAKED
     return lighting.find(

@@ -9,20 +9,21 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..transfer.prediction import rgb_albedo
 from ..transfer.swatches import beside
-from . import spectral
 from .blend_data import working_space
 from .world import hdri as worlds
+from .world import panorama
+from .world.settings import Settings
 
 
 def colours(
-    world: bpy.types.World, settings: spectral.Settings, reflectances: NDArray[np.float64]
+    world: bpy.types.World, settings: Settings, reflectances: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return what reflectances (m, 81) show on level ground and under D65, (m, 3) each.
 
     RGB in the file's working space, as `transfer.swatches.beside` makes them. Raises InputError as
-    `spectral.make_spectral` does.
+    `panorama.light_of` does.
     """
-    light = spectral.analysed(world, settings)
+    light = panorama.light_of(world, settings.sensors)
     return beside(settings.transfer(light), reflectances, light.faces[0])
 
 
@@ -31,7 +32,7 @@ def daylight(reflectances: NDArray[np.float64]) -> NDArray[np.float64]:
     return rgb_albedo(reflectances, working_space.name())
 
 
-def sky_key(world: bpy.types.World | None, settings: spectral.Settings | None) -> str:
+def sky_key(world: bpy.types.World | None, settings: Settings | None) -> str:
     """Return what tells whether a World's sky, or the working space, is another one than before."""
     if world is None:
         return ""

@@ -202,7 +202,7 @@ def read_one(text: str, unit: str | None = None, quantity: str = "") -> Reflecta
         raise InputError(
             path,
             f"holds {len(reflectances.names)} materials",
-            f"name one, as in {path.name}:{reflectances.names[0]}",
+            f"choose a column, as in {path.name}:{reflectances.names[0]}",
         )
     return reflectances
 

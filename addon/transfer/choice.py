@@ -17,9 +17,10 @@ from ..sky.light import SkyLight
 from ..sky.panorama import LUMINANCE
 from ..sky.polynomial import evaluate_polynomial
 from ..spectra.working_spaces import XYZ_to_working
+from .known_light import KnownLight
 from .matrices import Transfer
 from .measures import delta_E
-from .prediction import FULL, TODAY, UNTOLD_WHITE, Prediction, predict
+from .prediction import FULL, TODAY, Prediction, predict
 
 MODELS = ("scalar", "diagonal", FULL)
 """From the cheapest: one number, three, nine."""
@@ -109,24 +110,21 @@ class Choice:
 def choose(
     transfer: Transfer,
     reflectances: ArrayLike,
-    lights: ArrayLike | None,
-    sun_elevation: float | None = None,
+    light: KnownLight | None,
     tolerance: float | None = TOLERANCE,
-    foreign: float = 0.0,
-    doubted: str = "",
 ) -> Choice:
     """Choose for reflectances (m, 81) the cheapest models that keep to a tolerance [CIEDE2000].
 
-    Arguments as those of `predict`. Without a tolerance or lights, where the sky cannot be
-    predicted, and where no model keeps to it, the full matrices.
+    Without a tolerance or a light, where the sky cannot be predicted, and where no model keeps to
+    it, the full matrices.
     """
     rho = np.atleast_2d(np.asarray(reflectances, dtype=float))
     models = {FULL: transfer.matrices(rho)}
     chosen = np.full(len(rho), MODELS.index(FULL))
     prediction = None
-    if lights is not None:
-        models |= reduced(transfer, rho, lights)
-        prediction = predict(transfer, rho, lights, sun_elevation, models, foreign, doubted)
+    if light is not None:
+        models |= reduced(transfer, rho, light.lights)
+        prediction = predict(transfer, rho, light, models)
         if tolerance is not None and prediction.known:
             kept = np.stack([prediction.bound[name] <= tolerance for name in MODELS])
             chosen = np.where(kept.any(axis=0), kept.argmax(axis=0), chosen)
@@ -139,11 +137,8 @@ def choose_with(
     transfer_of: Callable[[str], Transfer],
     basis: str,
     reflectances: ArrayLike,
-    lights: ArrayLike | None,
-    sun_elevation: float | None = None,
+    light: KnownLight | None,
     tolerance: float | None = None,
-    foreign: float = 0.0,
-    doubted: str = "",
 ) -> Choice:
     """Choose models with a basis, or with the `SIMPLEST` whose every model keeps to the tolerance.
 
@@ -152,19 +147,9 @@ def choose_with(
     light to judge by, the last of `BASES`.
     """
     if basis != SIMPLEST:
-        return choose(
-            transfer_of(basis), reflectances, lights, sun_elevation, tolerance, foreign, doubted
-        )
+        return choose(transfer_of(basis), reflectances, light, tolerance)
     for name in BASES:
-        choice = choose(
-            transfer_of(name),
-            reflectances,
-            lights,
-            sun_elevation,
-            tolerance or TOLERANCE,
-            foreign,
-            doubted,
-        )
+        choice = choose(transfer_of(name), reflectances, light, tolerance or TOLERANCE)
         if choice.kept:
             break
     return choice
@@ -214,16 +199,6 @@ def lowest_degree(light: SkyLight, to_rec709: NDArray[np.float64], tolerance: fl
     fits = light.fit.of_degrees
     degree = next((d for d, fit in enumerate(fits) if keeps(fit)), len(fits) - 1)
     return replace(light, fit=replace(light.fit, degree=degree, coefficients=fits[degree]))
-
-
-def doubt(light: SkyLight, tinted: bool) -> str:
-    """Return why no error can be predicted under a sky; empty where it can.
-
-    ``tinted``: whether a white balance is suspected that is not undone (`white.estimate_white`).
-    """
-    if tinted:
-        return UNTOLD_WHITE
-    return f"it is {light.outside.verdict}" if light.outside.mostly else ""
 
 
 def sky_line(choice: Choice, light: SkyLight) -> str:

@@ -27,14 +27,12 @@ from ..spectra.grid import WAVELENGTHS
 from ..spectra.illuminants import D65
 from ..spectra.sensitivities import observer
 from ..spectra.working_spaces import DEFAULT_SPACE, XYZ_to_working
+from .known_light import KnownLight
 from .matrices import Transfer
 from .measures import to_Lab
 
 TODAY, FULL = "RGB × RGB", "3x3"
 """The methods that are always predicted: today's way, and the material matrix."""
-
-UNTOLD_WHITE = "the sky looks white-balanced, and its white is not told"
-"""A doubt: see `transfer.white`."""
 
 _DRAWS = 100
 _COVERED = 0.95
@@ -85,22 +83,16 @@ class Prediction:
 def predict(
     transfer: Transfer,
     reflectances: ArrayLike,
-    lights: ArrayLike,
-    sun_elevation: float | None = None,
+    light: KnownLight,
     models: Mapping[str, NDArray[np.float64]] | None = None,
-    foreign: float = 0.0,
-    doubt: str = "",
 ) -> Prediction:
-    """Predict the errors of reflectances (m, 81) under lights (k, 3), RGB irradiances of the HDRI.
+    """Predict the errors of reflectances (m, 81) under a sky's light.
 
-    ``sun_elevation`` [degrees]: where not known, a sun over some 8° is expected; a lower one makes
-    larger errors than predicted. ``models``: further matrices (m, 3, 3) by name, judged as the full
-    ones are. ``foreign``: the part of the light, 0 to 1, that is known to be no skylight
-    (`sky.outside`). ``doubt``: what else makes the prediction unknown, as `UNTOLD_WHITE`. Lights
-    without luminance are left out.
+    ``models``: further matrices (m, 3, 3) by name, judged as the full ones are. Lights without
+    luminance are left out.
     """
     rho = np.atleast_2d(np.asarray(reflectances, dtype=float))
-    lights = np.atleast_2d(np.asarray(lights, dtype=float))
+    lights = light.lights
     matrices = {FULL: transfer.matrices(rho), **(models or {})}
     colour = matrices[FULL] @ lights[0]
     out_of_gamut = (colour < -1e-6 * np.abs(colour).max(axis=-1, keepdims=True)).any(axis=-1)
@@ -108,12 +100,12 @@ def predict(
     # As it was before it was balanced, whatever the size of the white: what is drawn has 1.
     luminance = transfer.unbalanced(lights) @ (transfer.S_out @ transfer.restoration).T @ to_Y
     lights, luminance = lights[luminance > 0], luminance[luminance > 0]
-    unknown = doubt or _unknown(transfer, lights, sun_elevation)
+    unknown = light.doubt or _unknown(transfer, lights, light.sun_elevation)
     if unknown or not len(rho):
         nothing = {name: np.full(len(rho), np.nan) for name in (TODAY, *matrices)}
         return Prediction(nothing, nothing, colour, out_of_gamut, unknown)
     lights = lights / luminance[:, None]
-    rest = _untold(transfer, lights, sun_elevation, foreign)
+    rest = _unseen(transfer, lights, light)
     white = lights @ transfer.to_working.T
     mean, bound = {}, {}
     for start in range(0, len(rho), _AT_ONCE):
@@ -164,20 +156,17 @@ def _unknown(transfer: Transfer, lights: NDArray, sun_elevation: float | None) -
     return ""
 
 
-def _untold(
-    transfer: Transfer,
-    lights: NDArray[np.float64],
-    sun_elevation: float | None,
-    foreign: float,
+def _unseen(
+    transfer: Transfer, lights: NDArray[np.float64], light: KnownLight
 ) -> NDArray[np.float64]:
     """Return what S_in does not see of possible lights, each of luminance 1, (n, 81)."""
     ensemble = shipped()
     weights = ensemble.weights(
-        transfer.S_in, sun_elevation, transfer.unbalanced(lights), cautious=True
+        transfer.S_in, light.sun_elevation, transfer.unbalanced(lights), cautious=True
     )
     # Members as often as they are expected, without chance.
     places = np.searchsorted(np.cumsum(weights), (np.arange(_DRAWS) + 0.5) / _DRAWS)
-    scale = np.hypot(_STRANGER[0], _FOREIGN * foreign)
+    scale = np.hypot(_STRANGER[0], _FOREIGN * light.foreign)
     spectra = ensemble.some(np.minimum(places, len(weights) - 1)) * (1.0 + scale * _strange())
     spectra /= (spectra @ observer().T @ np.linalg.inv(XYZ_to_working(DEFAULT_SPACE))[1])[:, None]
     return spectra - spectra @ transfer.S_in.T @ transfer.restoration.T

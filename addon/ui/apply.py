@@ -5,7 +5,7 @@
 import bpy
 
 from ..errors import InputError
-from . import choice, operator, properties, targets
+from . import choice, give, operator, properties, targets
 
 
 class Apply(choice.Fields, operator.Thin):
@@ -27,16 +27,16 @@ class Apply(choice.Fields, operator.Thin):
         return ""
 
     def run(self, context):
-        from ..scene import spectral
-        from ..scene.materials import assignment
-        from ..scene.world import light_group
+        from ..scene import use_cases
 
-        found, lines = targets.editable(self.targets(context))
+        found, skipped = use_cases.editable(self.targets(context))
         chosen = {}
+        lines = give.warnings(skipped)
         for material in found:
             source = self if self.filepath else material.skylight
             if source.filepath:
-                chosen[material] = source
+                column = self.column or source.column
+                chosen[material] = choice.Chosen.of(source, column=column)
             else:
                 lines.append(("WARNING", f"skipped: {material.name} has no reflectance file"))
         if not chosen:
@@ -45,21 +45,11 @@ class Apply(choice.Fields, operator.Thin):
                 "has no reflectance file",
                 "choose a CSV for it first",
             )
-        read = {m: choice.read(source, m, self.column) for m, source in chosen.items()}
-        lines += [("INFO", f"{m.name}: {note}") for m, one in read.items() for note in one.notes]
-        settings = properties.settings_of(context.scene.world)
-        world = spectral.develop(context.scene, settings)
-        _, results = spectral.make_spectral(world, settings=settings, **assignment.apart(read))
-        for material, source in chosen.items():
-            choice.keep(material.skylight, source, read[material].column)
-        lines += [("WARNING" if r.out_of_gamut else "INFO", r.line) for r in results]
-        found = light_group.description_of(world)  # none where all is glass
-        told = (*found["lights"], found["caption"]) if found else ()
-        return [*lines, *(("INFO", line) for line in told)]
+        return [*lines, *give.give(context, chosen)]
 
 
 class SKYLIGHT_OT_apply(Apply, bpy.types.Operator):
-    """Light the material spectrally by this World's sky, for RGB times RGB gets its colour wrong"""
+    """Shade this material spectrally under the World's sky"""
 
     bl_idname = "skylight.apply"
     bl_label = "Apply"
@@ -87,7 +77,7 @@ class SKYLIGHT_OT_apply_selected(Apply, bpy.types.Operator):
 
 
 class SKYLIGHT_OT_apply_all(Apply, bpy.types.Operator):
-    """Give every material that has a CSV its reflectance, also anew after the CSV was edited"""
+    """Give every material that has a file its reflectance, also after the file was edited"""
 
     bl_idname = "skylight.apply_all"
     bl_label = "Apply to All"
@@ -102,7 +92,7 @@ class SKYLIGHT_OT_apply_all(Apply, bpy.types.Operator):
 
 
 class SKYLIGHT_OT_estimate(operator.Thin, bpy.types.Operator):
-    """Restore a reflectance from the material's own base colour or texture, and light it by that"""
+    """Restore a reflectance from the material's own base color or texture, and shade it by that"""
 
     bl_idname = "skylight.estimate"
     bl_label = "Estimate from Base Color"
@@ -114,15 +104,12 @@ class SKYLIGHT_OT_estimate(operator.Thin, bpy.types.Operator):
         return operator.no_sky(context)
 
     def run(self, context):
-        from ..scene import spectral
-        from ..scene.materials import base_color
+        from ..scene import use_cases
 
         material = targets.named(context, self.material)
         settings = properties.settings_of(context.scene.world)
-        world = spectral.develop(context.scene, settings)
-        given = {material: (base_color.ESTIMATED, base_color.estimated(material))}
-        _, results = spectral.make_spectral(world, given, settings)
-        return [("INFO", result.line) for result in results]
+        found = use_cases.estimate(context.scene, [material], settings)
+        return [("INFO", result.line) for result in found.results]
 
 
 CLASSES = (

@@ -2,18 +2,13 @@
 
 # mypy: disable-error-code="valid-type"
 
-from typing import Any
-
 import bpy
 
-from . import apply, choice, library_state, operator, targets
+from . import choice, give, library_state, operator, targets
 
 
-class Assign(apply.Apply):
-    """Gives materials the reflectance that is chosen in the list; without a sky it is kept ready.
-
-    A script names file and column, or searches the library by them.
-    """
+class Assign(choice.Fields, operator.Thin):
+    """What the operators share; without a sky it is kept ready with the material."""
 
     @classmethod
     def hindrance(cls, context):
@@ -21,29 +16,31 @@ class Assign(apply.Apply):
             return "Show the library and choose a reflectance first"
         return cls.nothing_to_do(context)
 
+    @classmethod
+    def nothing_to_do(cls, context):
+        return ""
+
     def run(self, context):
+        from ..scene import use_cases
+
         number = library_state.chosen(context)
-        found = library_state.library
-        self.filepath, self.column = found.paths[number], found.names[number]
-        self.kind = kind(found.classes[number])
-        return give(self, context)
+        library = library_state.library
+        chosen = choice.Chosen(
+            library.paths[number],
+            library.names[number],
+            kind(library.classes[number]),
+            self.unit,
+            self.pane,
+            self.behind,
+            self.behind_column,
+        )
+        found, skipped = use_cases.editable(self.targets(context))
+        return [*give.warnings(skipped), *give.give(context, dict.fromkeys(found, chosen))]
 
 
 def kind(of: str) -> str:
     """What a material is made of by the class of its curve."""
     return "GLASS" if of.endswith("transmittance") else "REFLECTANCE"
-
-
-def give(self: Any, context: bpy.types.Context) -> list[tuple[str, str]]:
-    """Apply an operator's file to its targets, or where there is no sky keep it with them."""
-    if not operator.no_sky(context):
-        return apply.Apply.run(self, context)
-    found, lines = targets.editable(self.targets(context))
-    read = {material: choice.read(self, material) for material in found}
-    for material, one in read.items():
-        choice.keep(material.skylight, self, one.column)
-    said = "chosen; it shows once the World has a sky and it is applied"
-    return [*lines, *(("INFO", f"{m.name}: {one.column} is {said}") for m, one in read.items())]
 
 
 class SKYLIGHT_OT_assign_to_active(Assign, bpy.types.Operator):

@@ -34,12 +34,12 @@ def _follow(material: bpy.types.Material, library: Any) -> str:
     if managed is None or not own.filepath or own.kind != "REFLECTANCE":
         return ""
     try:
-        choice.read(own, material)
+        choice.read(material)
         return ""
     except InputError:
         pass
     try:
-        number = library.hashes.index(managed.reflectance_hash)
+        number = library.hashes.index(managed.record.reflectance_hash)
         spectral_material.check_editable(material)
     except (ValueError, InputError):
         return ""

@@ -32,18 +32,18 @@ class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
 
     @classmethod
     def hindrance(cls, context):
-        return update.SKYLIGHT_OT_update.hindrance(context)
+        return update.nothing_to_update(context)
 
     def work(self, context):
         """The generator that bakes, as the properties say."""
-        from ..scene import baking
+        from ..scene import use_cases
         from ..scene.bake import scene_bake
 
         world = context.scene.world
         rays = max(32, self.rays // 32 * 32) if self.rays else None
         chosen = scene_bake.targets(self.selected)
         settings = properties.settings_of(world)
-        return baking.bake(world, settings, chosen, rays=rays, changed_only=self.changed)
+        return use_cases.bake(context.scene, settings, chosen, rays=rays, changed_only=self.changed)
 
     def finish(self, context, done):
         """Show bakes in the World, and light them by its sky."""
@@ -54,7 +54,7 @@ class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
         if not scene_bake.baked():
             return told
         context.scene.world.skylight.occlusion = "baked"
-        return [*told, *update.SKYLIGHT_OT_update.run(self, context)]
+        return [*told, *update.update(context)]
 
 
 class SKYLIGHT_OT_remove_bakes(operator.Thin, bpy.types.Operator):

@@ -3,6 +3,8 @@
 # No postponed annotations: Blender reads its properties from them.
 # mypy: disable-error-code="valid-type"
 
+from dataclasses import dataclass, fields
+
 import bpy
 
 from ..errors import InputError
@@ -52,36 +54,57 @@ class Fields:
     )
 
 
-def read(choice, material: bpy.types.Material, column: str = ""):
-    """The `scene.given.Given` of what was chosen for a material; InputError if it cannot be read.
+@dataclass(frozen=True)
+class Chosen:
+    """What was chosen for a material, as plain values: the names are those of `Fields`."""
 
-    ``choice``: the material's own properties, or an operator with a file; ``column`` goes first.
-    """
-    from ..scene.materials import assignment
+    filepath: str
+    column: str = ""
+    kind: str = "REFLECTANCE"
+    unit: str = "AUTO"
+    pane: str = "FACE"
+    behind: str = ""
+    behind_column: str = ""
 
-    absolute = material.skylight.absolute
-    path = absolute(choice.filepath)
-    if choice.kind == assignment.METAL:
-        return assignment.read_metal(path)
-    unit = None if choice.unit == "AUTO" else choice.unit.lower()
-    faces = (1 + (choice.pane == "BLOCK")) if choice.kind == assignment.GLASS else 0
-    found = assignment.read(path, column or choice.column, unit, faces)
-    if choice.behind and not faces:
-        found = assignment.behind(
-            found, assignment.read(absolute(choice.behind), choice.behind_column, faces=1)
-        )
-    return found
+    @classmethod
+    def of(cls, own, **others: str) -> "Chosen":
+        """Take it from a material's properties or an operator's; ``others`` go first."""
+        return cls(**{f.name: others.get(f.name, getattr(own, f.name)) for f in fields(cls)})
+
+    def read(self, absolute):
+        """Return the `Assignment` that it comes to; InputError if a file cannot be read.
+
+        ``absolute`` resolves a path that is relative to the blend file.
+        """
+        from ..transfer import assignment
+
+        path = absolute(self.filepath)
+        if self.kind == "METAL":
+            return assignment.read_metal(path)
+        unit = None if self.unit == "AUTO" else self.unit.lower()
+        panes = {"FACE": assignment.SINGLE_FACE, "BLOCK": assignment.BLOCK}
+        faces = panes[self.pane] if self.kind == "GLASS" else 0
+        found = assignment.read(path, self.column, unit, faces)
+        if self.behind and not faces:
+            glass = absolute(self.behind)
+            found = found.lit_through(assignment.read(glass, self.behind_column, faces=1))
+        return found
+
+
+def read(material: bpy.types.Material):
+    """The `Assignment` of what was chosen for a material; InputError if it cannot be read."""
+    return Chosen.of(material.skylight).read(material.skylight.absolute)
 
 
 def of_scene(scene: bpy.types.Scene):
-    """What is chosen for a scene's materials: each a `Given`, or the line why it cannot be read."""
+    """What is chosen for a scene's materials: an `Assignment`, or why it cannot be read."""
     from ..scene.materials import eligibility
 
     chosen = {}
     for material in eligibility.materials_of(scene):
         if material.skylight.filepath:
             try:
-                chosen[material] = read(material.skylight, material)
+                chosen[material] = read(material)
             except InputError as error:
                 chosen[material] = str(error)
     return chosen
@@ -92,31 +115,31 @@ def changed_files(materials) -> tuple[dict[bpy.types.Material, str], list[str]]:
 
     What was chosen anew and not applied yet is no change of the file.
     """
-    from ..scene.materials import assignment
     from ..scene.materials import spectral_material as managing
+    from ..transfer.assignment import BEHIND
 
     changed, lost = {}, []
     for material in materials:
         own, managed = material.skylight, managing.managed(material)
-        if managed is None or not own.filepath or own.kind != assignment.REFLECTANCE:
+        if managed is None or not own.filepath or own.kind != "REFLECTANCE":
             continue
-        if managed.reflectance_name.partition(assignment.BEHIND)[0] != own.column:
+        if managed.record.reflectance.partition(BEHIND)[0] != own.column:
             continue
         try:
-            found = read(own, material)
+            found = read(material)
         except InputError as error:
             lost.append(f"{material.name} keeps its reflectance, but {error}")
         else:
-            if found.hash != managed.reflectance_hash:
+            if found.hash != managed.record.reflectance_hash:
                 changed[material] = f"{bpy.path.basename(own.filepath)} has changed: apply it anew"
     return changed, lost
 
 
-def keep(own, choice, name: str) -> None:
-    """Keep with a material what an operator was given for it; ``name``: of the column read."""
+def keep(own, chosen: Chosen, name: str) -> None:
+    """Keep with a material's properties what it was given; ``name``: of the column read."""
     for field in DETAILS:
-        if getattr(own, field) != getattr(choice, field):
-            setattr(own, field, getattr(choice, field))
-    if own.filepath != choice.filepath:
-        own.filepath = choice.filepath  # and with it what is wrong with it
-    own.column = "" if choice.kind == "METAL" else name
+        if getattr(own, field) != getattr(chosen, field):
+            setattr(own, field, getattr(chosen, field))
+    if own.filepath != chosen.filepath:
+        own.filepath = chosen.filepath  # and with it what is wrong with it
+    own.column = "" if chosen.kind == "METAL" else name

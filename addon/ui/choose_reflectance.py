@@ -36,7 +36,9 @@ class SKYLIGHT_OT_choose_reflectance(choice.Fields, operator.Thin, bpy.types.Ope
         return operator.browse(self, context)
 
     def run(self, context):
-        (material,), _ = targets.editable([targets.named(context, self.material)])
+        from ..scene import use_cases
+
+        (material,), _ = use_cases.editable([targets.named(context, self.material)])
         own = material.skylight
         told = [name for name in choice.DETAILS if self.properties.is_property_set(name)]
         names = own.read_names(self.filepath, self.kind if "kind" in told else own.kind)

@@ -5,7 +5,7 @@
 import bpy
 
 from ..errors import InputError
-from . import apply, assign, targets
+from . import assign, choice, give, operator, targets
 from .choose_reflectance import ENDINGS
 
 _items: dict[str, list[tuple[str, str, str]]] = {}
@@ -16,7 +16,7 @@ def _columns(self, context):
     return _items.get(self.filepath, [])
 
 
-class SKYLIGHT_OT_drop_reflectance(apply.Apply, bpy.types.Operator):
+class SKYLIGHT_OT_drop_reflectance(choice.Fields, operator.Thin, bpy.types.Operator):
     """Give the material under the mouse, or the active one, a reflectance from the dropped file"""
 
     bl_idname = "skylight.drop_reflectance"
@@ -26,6 +26,9 @@ class SKYLIGHT_OT_drop_reflectance(apply.Apply, bpy.types.Operator):
     filepath: bpy.props.StringProperty(
         name="File", description="Measured reflectances", subtype="FILE_PATH", options={"SKIP_SAVE"}
     )
+    kind: bpy.props.EnumProperty(
+        name="Measured", description="What the file holds", items=choice.KINDS
+    )
     material: bpy.props.StringProperty(
         name="Material", description="Empty: that of the object, else the active one"
     )
@@ -34,10 +37,6 @@ class SKYLIGHT_OT_drop_reflectance(apply.Apply, bpy.types.Operator):
     chosen: bpy.props.EnumProperty(
         name="Column", description="Which of the file's", items=_columns, options={"SKIP_SAVE"}
     )
-
-    @classmethod
-    def hindrance(cls, context):
-        return ""
 
     def invoke(self, context, event):
         """Look what is under the mouse; of many columns let one be chosen."""
@@ -60,28 +59,33 @@ class SKYLIGHT_OT_drop_reflectance(apply.Apply, bpy.types.Operator):
     def run(self, context):
         if not self.filepath:
             raise InputError("the file", "is not named", "drop one, or give its filepath")
-        if not self.column and self.properties.is_property_set("chosen"):
-            self.column = self.chosen
+        from ..scene import use_cases
+
+        column = self.column
+        if not column and self.properties.is_property_set("chosen"):
+            column = self.chosen
         kinds = self._kinds()
-        if not self.column:
+        if not column:
             if len(kinds) > 1:
                 some = ", ".join(f"'{name}'" for name in list(kinds)[:8])
                 raise InputError(
                     self.filepath, f"holds {len(kinds)} materials", f"name a column: {some}"
                 )
-            self.column = next(iter(kinds))
-        self.kind = assign.kind(kinds.get(self.column, ""))
-        return assign.give(self, context)
+            column = next(iter(kinds))
+        kind = assign.kind(kinds.get(column, ""))
+        chosen = choice.Chosen.of(self, column=column, kind=kind)
+        found, skipped = use_cases.editable([self._target(context, column)])
+        return [*give.warnings(skipped), *give.give(context, dict.fromkeys(found, chosen))]
 
-    def targets(self, context):
+    def _target(self, context, column: str) -> bpy.types.Material:
         from . import under_mouse
 
         obj = context.scene.objects.get(self.object) if not self.material else None
         if obj is None and not self.material and targets.active(context) is None:
             obj = context.view_layer.objects.active
         if obj is not None and hasattr(obj.data, "materials"):
-            return [under_mouse.material_in(obj, self.slot, self.column)]
-        return [targets.named(context, self.material)]
+            return under_mouse.material_in(obj, self.slot, column)
+        return targets.named(context, self.material)
 
     def _kinds(self) -> dict[str, str]:
         """The columns that can be used, and what kind of thing each is; InputError if none can."""

@@ -4,7 +4,7 @@
 
 import bpy
 
-from . import choice, operator, properties, staleness_handlers
+from . import choice, operator, properties, update
 
 
 class SKYLIGHT_OT_make_spectral(operator.Long, bpy.types.Operator):
@@ -27,21 +27,17 @@ else by one restored from its base color. What cannot be is listed with the reas
         return operator.no_sky(context) or ("" if found else "No object has a material")
 
     def work(self, context):
-        from ..scene import everything
+        from ..scene import use_cases
 
         chosen = choice.of_scene(context.scene)
         settings = properties.settings_of(context.scene.world)
-        return everything.make(context.scene, chosen, settings, self.estimate)
+        return use_cases.make_everything_spectral(context.scene, chosen, settings, self.estimate)
 
     def finish(self, context, done):
         if done is None:
             return [("WARNING", "ended before it was done: the materials so far are spectral")]
-        from ..scene import out_of_date
-
         lines = [("WARNING", r.line) for r in done.results if r.out_of_gamut]
-        if names := out_of_date.look_at_bakes(context.scene):
-            lines.append(("WARNING", f"not baked, or changed since: {', '.join(names)}"))
-        staleness_handlers.found_bakes()
+        lines += update.unbaked(context)
         lines += [("INFO", f"left alone: {name}: {why}") for name, why in done.left]
         return [*lines, ("INFO", operator.caption(context.scene.world)), ("INFO", done.line)]
 

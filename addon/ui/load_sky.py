@@ -4,7 +4,7 @@
 
 import bpy
 
-from . import operator, properties
+from . import give, operator, properties
 
 
 class SKYLIGHT_OT_load_sky(operator.Thin, bpy.types.Operator):
@@ -22,19 +22,16 @@ class SKYLIGHT_OT_load_sky(operator.Thin, bpy.types.Operator):
         return operator.browse(self, context)
 
     def run(self, context):
-        from ..scene import spectral
-        from . import targets
+        from ..scene import use_cases
 
         scene = context.scene
-        before = scene.world
-        settings = properties.settings_of(before)
-        settings.transfer()  # wrong settings are found before the scene has another World
-        kept, skipped = targets.editable(spectral.in_scene(scene))
-        world = spectral.set_sky(scene, bpy.path.abspath(self.filepath), settings)
-        light, results = spectral.update(world, settings, kept)
-        count = f"; {len(results)} materials follow" if results else ""
-        said = f"sky: {light.name}{count}"
-        return [*skipped, ("INFO", said), ("INFO", operator.caption(world))]
+        settings = properties.settings_of(scene.world)
+        path = bpy.path.abspath(self.filepath)
+        found = use_cases.load_sky(scene, path, settings)
+        count = f"; {len(found.results)} materials follow" if found.results else ""
+        name = "" if found.light is None else found.light.name
+        lines = [*give.warnings(found.skipped), ("INFO", f"sky: {name}{count}")]
+        return [*lines, ("INFO", operator.caption(scene.world))]
 
 
 CLASSES = (SKYLIGHT_OT_load_sky,)

@@ -7,6 +7,7 @@ STEPS = (
     ("choose_reflectance", "apply", "apply_selected", "apply_all", "estimate"),
     ("remove", "remove_selected"),
     ("assign_to_active", "assign_to_selected"),
+    ("write_assignments", "read_assignments"),
     ("refresh_library", "library_problems", "write_assets"),
     ("bake", "remove_bakes"),
     ("show_in_viewport", "before_after", "neutral_white"),

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 import textwrap
-from typing import Any
 
 import bpy
 
+from .. import tags
 from ..errors import InputError
 from . import staleness_handlers
 
@@ -83,52 +82,34 @@ def material(
     layout: bpy.types.UILayout, context: bpy.types.Context, shown: bpy.types.Material
 ) -> None:
     """What a material was given, its colour and how far off it would be; nothing if unmanaged."""
-    from ..scene.materials import (
-        assignment,
-        base_color,
-        glass_and_metal,
-        saved_settings,
-        spectral_material,
-    )
+    from ..scene.materials import glass_and_metal, spectral_material
+    from ..transfer.assignment import BEHIND, ESTIMATED
 
     managed = spectral_material.managed(shown)
     if managed is None:
         pane = glass_and_metal.pane_node(shown)
         if pane is not None:
-            name = glass_and_metal.pane_of(shown)[0]
+            name = glass_and_metal.pane_of(shown).name
             layout.box().label(text=f"Glass: {name}", icon="CHECKMARK")
         return
     box = layout.box()
-    known = managed.reflectance_name != base_color.ESTIMATED
-    box.label(text=managed.reflectance_name, icon="CHECKMARK" if known else "QUESTION")
+    name = managed.record.reflectance
+    known = name != ESTIMATED
+    box.label(text=name, icon="CHECKMARK" if known else "QUESTION")
     if why := staleness_handlers.stale(shown):
         paragraph(box, context, why, "ERROR")
-    if saved_settings.BEFORE in shown:
+    if tags.SHOWS_RGB in shown:
         paragraph(box, context, "shows RGB × RGB now", "ERROR")
     choice = shown.skylight
-    applied = managed.reflectance_name.partition(assignment.BEHIND)[0]
-    if choice.column and choice.kind == assignment.REFLECTANCE and choice.column != applied:
+    applied = name.partition(BEHIND)[0]
+    if choice.column and choice.kind == "REFLECTANCE" and choice.column != applied:
         paragraph(box, context, f"{choice.column} is chosen but not applied yet", "ERROR")
     box.prop(choice, "swatch")
     if choice.swatch_scale < 1.0:
         text = f"brighter than white: shown at {100 * choice.swatch_scale:.2g} % of its brightness"
         paragraph(box, context, text)
-    for sentence in sentences(managed.extra):
+    for sentence in managed.details.sentences:
         paragraph(box, context, sentence)
     if managed.world != context.scene.world:
         name = managed.world.name if managed.world else "none"
         paragraph(box, context, f"lit by World {name}, not this scene's: press Update", "ERROR")
-
-
-def sentences(found: dict[str, Any]) -> list[str]:
-    """What is kept with a material about its errors, in words."""
-    if not math.isfinite(found["rgb_delta_E"]):
-        lines = [f"its error is unknown: {found.get('unknown') or 'the sky is dark'}"]
-    else:
-        rgb, spectral = found["rgb_delta_E"], found["matrix_delta_E"]
-        lines = [f"RGB is off by ΔE {rgb:.1f}, spectral by {spectral:.1f}"]
-        if "bound" in found:
-            lines.append(f"at most {found['bound']:.1f}; ΔE 1 is just noticeable")
-    if found["out_of_gamut"]:
-        lines.append("out of gamut: Blender clamps it")
-    return lines

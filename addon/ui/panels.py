@@ -168,6 +168,9 @@ class SKYLIGHT_PT_exactness(OfWorld, bpy.types.Panel):
         layout.prop(numbers, "tolerance")
         layout.prop(numbers, "gloss")
         layout.operator("skylight.apply_all", text="Apply Chosen Files Only")
+        row = layout.row(align=True)
+        row.operator("skylight.write_assignments")
+        row.operator("skylight.read_assignments")
         panel_text.paragraph(layout, context, "Changes show after Update")
 
 

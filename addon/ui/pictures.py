@@ -145,12 +145,12 @@ def _draw_sky(uid: int, theme: str) -> Any:
     """Draw the map of the World of a session's id."""
     from ..pictures.sky_map import sky_map
     from ..pictures.theme import THEMES
-    from ..scene import spectral
+    from ..scene import use_cases
 
     world = next((each for each in bpy.data.worlds if each.session_uid == uid), None)
     if world is None:
         raise InputError("the World", "is gone", "choose another")
-    light = spectral.analysed(world, properties.settings_of(world))
+    light = use_cases.analyzed(world, properties.settings_of(world))
     return sky_map(light.outside, light.sky, light.sun, theme=THEMES[theme])
 
 

@@ -3,6 +3,7 @@
 # No postponed annotations here and in operators: Blender reads its properties from them.
 # mypy: disable-error-code="valid-type"
 
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -70,7 +71,8 @@ def _colour(material) -> tuple[tuple[float, ...], float]:
     managed = spectral_material.managed(material)
     if managed is None:
         return (0.0,) * 3, 1.0
-    return tuple(managed.extra.get("colour", (0.0,) * 3)), managed.extra.get("white", 1.0)
+    result = managed.details.result
+    return (0.0,) * 3 if result is None else result.colour, managed.details.white
 
 
 @lru_cache(maxsize=8)
@@ -135,25 +137,25 @@ class SkylightReflectance(choice.Fields, bpy.types.PropertyGroup):
         return bpy.path.abspath(filepath, library=self.id_data.library)
 
 
-def _stored(world) -> dict:
+def _stored(world):
     """A World's settings; those that the panel starts with where it has none yet."""
     from ..scene.world import settings
 
-    return settings.stored(world) or dict(START)
+    return settings.stored(world) or settings.Settings(**START)
 
 
 def _store(world, **values) -> None:
     from ..scene.world import settings
 
-    settings.store(world, {**_stored(world), **values})
+    settings.store(world, replace(_stored(world), **values))
 
 
 def _stored_enum(key: str, items: tuple, **described: str):
-    """An enum that lies with the World as plain data; its first item where nothing does."""
+    """An enum that lies with the World's settings; its first item where they have another value."""
     names = [item[0] for item in items]
 
     def get(self) -> int:
-        name = _stored(self.id_data).get(key)
+        name = getattr(_stored(self.id_data), key)
         return names.index(name) if name in names else 0
 
     def put(self, value: int) -> None:
@@ -162,10 +164,10 @@ def _stored_enum(key: str, items: tuple, **described: str):
     return bpy.props.EnumProperty(items=items, get=get, set=put, **described)
 
 
-def _stored_bool(key: str, default: bool, **described: str):
-    """A switch that lies with the World as plain data."""
+def _stored_bool(key: str, **described: str):
+    """A switch that lies with the World's settings."""
     return bpy.props.BoolProperty(
-        get=lambda self: _stored(self.id_data).get(key, default),
+        get=lambda self: getattr(_stored(self.id_data), key),
         set=lambda self, value: _store(self.id_data, **{key: value}),
         **described,
     )
@@ -174,16 +176,13 @@ def _stored_bool(key: str, default: bool, **described: str):
 def _spectrum(self) -> str:
     from ..scene.lights import user_lamps
 
-    return self.id_data.get(user_lamps.SPECTRUM, "")
+    return user_lamps.spectrum_of(self.id_data)
 
 
 def _set_spectrum(self, value: str) -> None:
     from ..scene.lights import user_lamps
 
-    if value.strip():
-        self.id_data[user_lamps.SPECTRUM] = value.strip()
-    elif user_lamps.SPECTRUM in self.id_data:
-        del self.id_data[user_lamps.SPECTRUM]
+    user_lamps.set_spectrum(self.id_data, value)
 
 
 class SkylightLamp(bpy.types.PropertyGroup):
@@ -213,7 +212,6 @@ class SkylightNumbers(bpy.types.PropertyGroup):
     )
     sun: _stored_bool(
         "sun",
-        True,
         name="Sun",
         description="Let the HDRI's sun shine on spectral materials: a lamp with its spectrum, "
         "which costs a second look at the light for each pixel",
@@ -229,13 +227,11 @@ class SkylightNumbers(bpy.types.PropertyGroup):
     )
     bounce: _stored_bool(
         "bounce",
-        False,
         name="Bounce",
         description="Bake the light that one bounce between spectral materials brings too",
     )
     gloss: _stored_bool(
         "gloss",
-        False,
         name="Keep Gloss",
         description="Keep the gloss and metal of materials over their measured base",
     )
@@ -246,21 +242,21 @@ class SkylightNumbers(bpy.types.PropertyGroup):
         min=0.0,
         max=10.0,
         precision=2,
-        get=lambda self: _stored(self.id_data).get("tolerance") or 0.0,
+        get=lambda self: _stored(self.id_data).tolerance or 0.0,
         set=lambda self, value: _store(self.id_data, tolerance=value or None),
     )
     camera: bpy.props.StringProperty(
         name="Camera",
         description="Only for an HDRI of raw camera RGB: the camera's name (such as Nikon 5100), "
         "or a CSV with its sensitivities R, G, B. Load the sky again after a change",
-        get=lambda self: _stored(self.id_data).get("camera") or "",
+        get=lambda self: _stored(self.id_data).camera or "",
         set=lambda self, value: _store(self.id_data, camera=value.strip() or None),
     )
     sun_told: bpy.props.BoolProperty(
         name="Tell Sun's Elevation",
         description="Where the HDRI does not show the sun: a low sun's sky has another spectrum, "
         "and by day is what is expected",
-        get=lambda self: _stored(self.id_data).get("sun_elevation") is not None,
+        get=lambda self: _stored(self.id_data).sun_elevation is not None,
         set=lambda self, value: _store(self.id_data, sun_elevation=30.0 if value else None),
     )
     sun_elevation: bpy.props.FloatProperty(
@@ -268,34 +264,33 @@ class SkylightNumbers(bpy.types.PropertyGroup):
         description="How high the sun stands over the horizon; negative after sunset",
         min=-6.0,
         max=90.0,
-        get=lambda self: _stored(self.id_data).get("sun_elevation") or 0.0,
+        get=lambda self: _stored(self.id_data).sun_elevation or 0.0,
         set=lambda self, value: _store(self.id_data, sun_elevation=float(value)),
     )
     white_balanced: bpy.props.BoolProperty(
         name="White-Balanced",
         description="Whether the HDRI was white-balanced: the matrices must undo it, or nearly "
         "all of the gain in colour is lost",
-        get=lambda self: _stored(self.id_data).get("white") is not None,
-        set=lambda self, value: _store(self.id_data, white=[1.0, 1.0, 1.0] if value else None),
+        get=lambda self: _stored(self.id_data).white is not None,
+        set=lambda self, value: _store(self.id_data, white=(1.0, 1.0, 1.0) if value else None),
     )
     white: bpy.props.FloatVectorProperty(
         name="Neutral Light",
         description="The RGB that neutral light had before the HDRI was white-balanced",
         size=3,
         min=0.0,
-        get=lambda self: _stored(self.id_data).get("white") or (1.0, 1.0, 1.0),
-        set=lambda self, value: _store(self.id_data, white=list(value)),
+        get=lambda self: _stored(self.id_data).white or (1.0, 1.0, 1.0),
+        set=lambda self, value: _store(self.id_data, white=tuple(value)),
     )
 
 
 def settings_of(world: bpy.types.World):
-    """The `scene.settings.Settings` that a World's panel shows."""
-    from ..scene.world.settings import Settings
-
-    stored = {key: value for key, value in _stored(world).items() if value is not None}
-    if stored.get("camera", "").startswith("//"):
-        stored["camera"] = bpy.path.abspath(stored["camera"], library=world.library)
-    return Settings(**stored)
+    """The `scene.world.settings.Settings` that a World's panel shows."""
+    found = _stored(world)
+    if found.camera is not None and found.camera.startswith("//"):
+        path = bpy.path.abspath(found.camera, library=world.library)
+        return replace(found, camera=path)
+    return found
 
 
 CLASSES = (SkylightReflectance, SkylightNumbers, SkylightLamp)

@@ -4,20 +4,17 @@
 
 import bpy
 
-from . import operator, targets
+from . import give, operator, targets
 
 
 class Remove(operator.Thin):
     """What the three operators share. The chosen file stays with the material, to apply again."""
 
     def run(self, context):
-        from ..scene.materials import spectral_material
+        from ..scene import use_cases
 
-        ours = spectral_material.ours()
-        found, lines = targets.editable(m for m in self.targets(context) if m in ours)
-        for material in found:
-            spectral_material.remove(material)
-        return [*lines, ("INFO", f"{len(found)} material(s) are as they were before")]
+        found = use_cases.remove(self.targets(context))
+        return [*give.warnings(found.skipped), *(("INFO", line) for line in found.lines)]
 
 
 class SKYLIGHT_OT_remove(Remove, bpy.types.Operator):

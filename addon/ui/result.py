@@ -6,6 +6,7 @@ import math
 
 import bpy
 
+from .. import tags
 from . import staleness_handlers
 from .panel_text import paragraph
 
@@ -15,14 +16,14 @@ ROWS = 50
 
 def summary(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """How many materials are spectral, in one line."""
-    from ..scene.blend_data import nodes
-    from ..scene.materials import base_color, spectral_material
+    from ..scene.materials import spectral_material
+    from ..transfer.assignment import ESTIMATED
 
-    names = [m[nodes.MANAGED].get("reflectance") for m in spectral_material.ours()]
+    names = [m[tags.MATERIAL].get("reflectance") for m in spectral_material.ours()]
     if not names:
         layout.label(text="No material is spectral yet", icon="INFO")
         return
-    guessed = names.count(base_color.ESTIMATED)
+    guessed = names.count(ESTIMATED)
     layout.label(
         text=f"{len(names)} spectral: {len(names) - guessed} measured, {guessed} estimated"
     )
@@ -48,9 +49,9 @@ def problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 def left_alone(context: bpy.types.Context) -> list[tuple[str, str]]:
     """Names of the scene's materials that one click left alone, and why."""
-    from ..scene import everything
+    from ..scene import use_cases
 
-    return everything.left_alone(context.scene)
+    return use_cases.left_alone(context.scene)
 
 
 def left(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -85,7 +86,7 @@ def view(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     paragraph(layout, context, line, "CHECKMARK" if fit else "INFO")
     if not fit:
         paragraph(layout, context, "To judge colors: Standard, in Render › Color Management")
-    on = view_transform.KEPT in context.scene
+    on = tags.VIEW in context.scene
     text = "White as It Was" if on else "Neutral White of This Sky"
     button = layout.operator("skylight.neutral_white", text=text, depress=on)
     button.on = not on
@@ -122,26 +123,29 @@ def table(layout: bpy.types.UILayout) -> None:
 
 def row(layout: bpy.types.UILayout, shown: bpy.types.Material) -> None:
     """One material: its colour under the sky, what it is, its errors, and what is to be known."""
-    from ..scene.materials import base_color, glass_and_metal, spectral_material
+    from ..scene.materials import glass_and_metal, spectral_material
+    from ..transfer.assignment import ESTIMATED
 
     managed = spectral_material.managed(shown)
     if managed is None:
         pane = glass_and_metal.pane_node(shown) is not None
         text = (
-            glass_and_metal.pane_of(shown)[0]
+            glass_and_metal.pane_of(shown).name
             if pane
             else "its nodes are gone: remove and apply it anew"
         )
         layout.label(text=f"{shown.name}: {text}", icon="MATFLUID" if pane else "ERROR")
         return
-    estimated = managed.reflectance_name == base_color.ESTIMATED
+    estimated = managed.record.reflectance == ESTIMATED
     layout.prop(shown.skylight, "swatch", text="")
-    name = "estimated" if estimated else managed.reflectance_name
+    name = "estimated" if estimated else managed.record.reflectance
     layout.label(text=f"{shown.name}: {name}", icon="QUESTION" if estimated else "NONE")
-    extra = managed.extra
-    errors = [extra["rgb_delta_E"], extra["matrix_delta_E"]]
+    result = managed.details.result
+    if result is None:
+        return
+    errors = [result.rgb_delta_E, result.matrix_delta_E]
     text = " → ".join("?" if not math.isfinite(e) else f"{e:.1f}" for e in errors)
-    if extra["out_of_gamut"]:
+    if result.out_of_gamut:
         text += ", clamped"
     layout.label(text=f"ΔE {text}", icon="ERROR" if staleness_handlers.stale(shown) else "NONE")
 

@@ -10,8 +10,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-MANAGED = "spectral_skylight"  # `scene.nodes.MANAGED`, which is not imported for a redraw
-BEFORE = "spectral_skylight_before"  # `scene.owned.BEFORE`
+from .. import tags
 
 _stale: dict[int, str] = {}  # by a material's session_uid, why it is
 _files: dict[int, tuple[str, str]] = {}  # the same, by what was found on disk, and for which hash
@@ -38,7 +37,7 @@ def found_files(lines: dict[bpy.types.Material, str]) -> None:
     """Remember of which materials the files on disk are no longer those that were read."""
     _files.clear()
     for material, line in lines.items():
-        _files[material.session_uid] = material[MANAGED]["reflectance_hash"], line
+        _files[material.session_uid] = material[tags.MATERIAL]["reflectance_hash"], line
 
 
 def found_bakes() -> None:
@@ -60,12 +59,12 @@ def after(context: bpy.types.Context) -> None:
 def look() -> None:
     """Look at all materials of the file."""
     _stale.clear()
-    if not any(MANAGED in material for material in bpy.data.materials):
+    if not any(tags.MATERIAL in material for material in bpy.data.materials):
         return
     from ..scene.materials import spectral_material
 
     found = spectral_material.managed_materials()
-    hashes = {m.session_uid: m[MANAGED]["reflectance_hash"] for m in found}
+    hashes = {m.session_uid: m[tags.MATERIAL]["reflectance_hash"] for m in found}
     for uid in [uid for uid, (known, _) in _files.items() if hashes.get(uid) != known]:
         del _files[uid]
     for material in found:
@@ -86,12 +85,12 @@ def _changed(scene, depsgraph) -> None:
     global _moved
     for update in depsgraph.updates:
         changed = update.id
-        if isinstance(changed, bpy.types.Material) and MANAGED in changed:
+        if isinstance(changed, bpy.types.Material) and tags.MATERIAL in changed:
             _look_at(changed.original)  # its viewport colour, where it has no nodes of its own
         elif isinstance(changed, bpy.types.NodeTree) and changed.is_embedded_data:
             # The old shader shows no more: of its values' changes only the tree is told.
             for material in bpy.data.materials:
-                if MANAGED in material and material.node_tree == changed.original:
+                if tags.MATERIAL in material and material.node_tree == changed.original:
                     _look_at(material)
         elif isinstance(changed, bpy.types.Object) and changed.type not in ("LIGHT", "EMPTY"):
             _moved = _moved or update.is_updated_transform or update.is_updated_geometry
@@ -111,7 +110,7 @@ def _loaded(*_) -> None:
 
 @persistent
 def _written(*_) -> None:
-    found = [material.name for material in bpy.data.materials if BEFORE in material]
+    found = [material.name for material in bpy.data.materials if tags.SHOWS_RGB in material]
     if found:
         print(f"WARNING: Spectral Skylight: {len(found)} material(s) show RGB × RGB, not ours")
 

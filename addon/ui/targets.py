@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import bpy
 
 from ..errors import InputError
@@ -32,26 +30,3 @@ def selected(context: bpy.types.Context) -> list[bpy.types.Material]:
     from ..scene.materials import spectral_material
 
     return spectral_material.materials_of(context.view_layer.objects.selected)
-
-
-def editable(
-    found: Iterable[bpy.types.Material],
-) -> tuple[list[bpy.types.Material], list[tuple[str, str]]]:
-    """Those that this file can change, and a warning for each that was skipped.
-
-    Raises InputError where none is left of some.
-    """
-    from ..scene.materials import spectral_material
-
-    kept: list[bpy.types.Material] = []
-    skipped: list[InputError] = []
-    for material in found:
-        try:
-            spectral_material.check_editable(material)
-        except InputError as error:
-            skipped.append(error)
-        else:
-            kept.append(material)
-    if skipped and not kept:
-        raise skipped[0]
-    return kept, [("WARNING", f"skipped: {error}") for error in skipped]

@@ -2,11 +2,46 @@
 
 import bpy
 
-from . import choice, operator, properties, staleness_handlers, targets
+from . import choice, give, operator, properties, staleness_handlers
+
+
+def nothing_to_update(context: bpy.types.Context) -> str:
+    """Why there is nothing to bring up to date, empty where there is."""
+    from ..scene.materials import spectral_material
+
+    nothing = "No material is spectral yet: make some so first"
+    return operator.no_sky(context) or ("" if spectral_material.ours() else nothing)
+
+
+def update(context: bpy.types.Context) -> give.Lines:
+    """Let materials follow the sky, and say which files and bakes have changed since."""
+    from ..scene import use_cases
+
+    world = context.scene.world
+    found = use_cases.update(context.scene, properties.settings_of(world))
+    lines = give.warnings(found.skipped)
+    lines += [("WARNING", r.line) for r in found.results if r.out_of_gamut]
+    changed, gone = choice.changed_files(use_cases.in_scene(context.scene))
+    staleness_handlers.found_files(changed)
+    lines += [("WARNING", f"{material.name}: {line}") for material, line in changed.items()]
+    lines += [("INFO", line) for line in gone]
+    lines += unbaked(context)
+    name = "" if found.light is None else found.light.name
+    lines.append(("INFO", f"{len(found.results)} material(s) follow {name}"))
+    return [*lines, ("INFO", operator.caption(context.scene.world))]
+
+
+def unbaked(context: bpy.types.Context) -> give.Lines:
+    """Look at the scene's bakes, and warn of those that are missing or old."""
+    from ..scene import out_of_date
+
+    names = out_of_date.look_at_bakes(context.scene)
+    staleness_handlers.found_bakes()
+    return [("WARNING", f"not baked, or changed since: {', '.join(names)}")] if names else []
 
 
 class SKYLIGHT_OT_update(operator.Thin, bpy.types.Operator):
-    """Let spectral materials follow another HDRI, other settings or lamps, and tell which files, \
+    """Let spectral materials follow another HDRI, other settings or lamps, and say which files, \
 bakes and base colors have changed since"""
 
     bl_idname = "skylight.update"
@@ -14,29 +49,10 @@ bakes and base colors have changed since"""
 
     @classmethod
     def hindrance(cls, context):
-        from ..scene.materials import spectral_material
-
-        nothing = "No material is spectral yet: make some so first"
-        return operator.no_sky(context) or ("" if spectral_material.ours() else nothing)
+        return nothing_to_update(context)
 
     def run(self, context):
-        from ..scene import out_of_date, spectral
-
-        world = context.scene.world
-        kept, lines = targets.editable(spectral.in_scene(context.scene))
-        settings = properties.settings_of(world)
-        world = spectral.develop(context.scene, settings)
-        light, results = spectral.update(world, settings, kept)
-        lines += [("WARNING", r.line) for r in results if r.out_of_gamut]
-        changed, gone = choice.changed_files(kept)
-        staleness_handlers.found_files(changed)
-        lines += [("WARNING", f"{material.name}: {line}") for material, line in changed.items()]
-        lines += [("INFO", line) for line in gone]
-        if names := out_of_date.look_at_bakes(context.scene):
-            lines.append(("WARNING", f"not baked, or changed since: {', '.join(names)}"))
-        staleness_handlers.found_bakes()
-        count = f"{len(results)} material(s) follow {light.name}"
-        return [*lines, ("INFO", count), ("INFO", operator.caption(world))]
+        return update(context)
 
 
 CLASSES = (SKYLIGHT_OT_update,)

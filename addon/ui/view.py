@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import bpy
 
+from .. import tags
 from . import operator
 
 SHADINGS = (
@@ -83,12 +84,12 @@ change, so that the view follows at once"""
 
     @classmethod
     def hindrance(cls, context):
-        from ..scene.materials import saved_settings, spectral_material
+        from ..scene.materials import spectral_material
 
         found = spectral_material.ours()
         if not found:
             return "No material is spectral yet"
-        known = any(saved_settings.OTHER in material for material in found)
+        known = any(tags.COMPARISON in material for material in found)
         return "" if known else "An earlier version kept no RGB × RGB: press Update first"
 
     def run(self, context):
@@ -116,7 +117,7 @@ as it was. Scene-linear values, as in EXR, stay as they are"""
 
         return (
             ""
-            if view_transform.KEPT in context.scene
+            if tags.VIEW in context.scene
             else view_transform.hindrance(context.scene, _level(context))
         )
 

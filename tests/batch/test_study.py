@@ -27,7 +27,7 @@ def test_everything_is_read(folder):
     assert study.cameras == ("South", "Court") and study.frames == (1, 5)
     assert [sky.name for sky in study.skies] == ["sky", "2025-06-21_0900", "2025-06-21_1230"]
     assert study.skies[0].north is None and study.skies[1].north == 15
-    assert [variant.reflectances["Wall"][0] for variant in study.variants] == ["red", "grey"]
+    assert [variant.given["Wall"].name for variant in study.variants] == ["red", "grey"]
     assert (study.engine, study.samples, study.resolution) == ("cycles", 1, (16, 16))
 
 
@@ -57,7 +57,7 @@ def test_a_reflectance_is_found_beside_the_assignment_or_the_study(folder):
     )
     (inner / "own.csv").write_text((folder / "paint.csv").read_text())
     study = read_study(write_study(folder, variants=[{"name": "x", "assign": "variants/red.csv"}]))
-    assert {m: name for m, (name, _) in study.variants[0].reflectances.items()} == {
+    assert {m: one.name for m, one in study.variants[0].given.items()} == {
         "Wall": "red",
         "Door": "grey",
         "Floor": "dark skin",

@@ -36,9 +36,7 @@ def scene(tmp_path):
     world = faces.light(scene, tmp_path)
     light_group.set_coefficients(world, COEFFICIENTS)
     material = bpy.data.materials.new("Matt")
-    spectral_material.apply(
-        material, world, np.eye(3), reflectance_name="one", reflectance_hash="0"
-    )
+    spectral_material.apply(material, world, spectral_material.Surface(np.eye(3), "one", "0"))
     return scene
 
 
@@ -172,8 +170,7 @@ world = faces.light(scene, folder)
 material = bpy.data.materials.new("Matt")
 mesh = faces.add_faces(scene, faces.directions(16)).data
 mesh.materials[0] = material
-give = dict(reflectance_name="", reflectance_hash="")
-spectral_material.apply(material, world, np.eye(3), **give)
+spectral_material.apply(material, world, spectral_material.Surface(np.eye(3)))
 light_group.set_coefficients(world, np.full((25, 3), 0.1))
 
 def frame(name):
@@ -184,7 +181,8 @@ def frame(name):
 frame("first")
 spectral_material.update(material, np.eye(3) * 0.3 - 0.1)
 frame("matrix")
-rgb_comparison.keep(material, {("surface", name): (0.3, 0.2, 0.1) for name in ("Row R", "Row G", "Sun")})
+names = ("Row R", "Row G", "Sun")
+rgb_comparison.keep(material, {("surface", name): (0.3, 0.2, 0.1) for name in names})
 assert rgb_comparison.show(True) == 1
 frame("before")
 assert rgb_comparison.show(False) == 1
@@ -195,7 +193,7 @@ world.node_tree.nodes["Background"].inputs["Strength"].default_value = 2.0
 world.node_tree.nodes["Mapping"].inputs["Rotation"].default_value = (0.1, 0.2, 0.3)
 frame("strength and rotation")
 second = bpy.data.materials.new("Second")
-spectral_material.apply(second, world, np.eye(3) * 0.5, **give)
+spectral_material.apply(second, world, spectral_material.Surface(np.eye(3) * 0.5))
 mesh.materials.append(second)
 mesh.polygons[3].material_index = 1
 frame("another material")

@@ -30,7 +30,7 @@ def lit(tmp_path_factory):
     world = faces.light(scene, folder)
     material = bpy.data.materials.new("Matt")
     faces.add_faces(scene, NORMALS).material_slots[0].material = material
-    spectral_material.apply(material, world, MATRIX, reflectance_name="test", reflectance_hash="0")
+    spectral_material.apply(material, world, spectral_material.Surface(MATRIX, "test", "0"))
     return scene, world, folder
 
 

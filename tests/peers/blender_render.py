@@ -17,10 +17,12 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.output import render as renderer
 from spectral_skylight.addon.scene.world import hdri as worlds
+from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.spectra.colorchecker import colorchecker
+from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.addon.transfer.prediction import rgb_albedo
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import faces
@@ -64,16 +66,16 @@ def diffuse(name: str, colour: np.ndarray) -> bpy.types.Material:
 def build(request: dict[str, Any], face: dict[str, Any]) -> bpy.types.Scene:
     """Return the scene with one face, in today's materials or in ours."""
     scene = faces.empty_scene()
-    world = worlds.set_sky(scene, request["file"])
+    worlds.set_sky(scene, request["file"])
     names, rho = colorchecker()
     materials = [diffuse(n, c) for n, c in zip(names, rgb_albedo(rho), strict=True)]
     add_patches(face, materials)
     look_at(scene, face, request["pixels"])
     scene.cycles.use_adaptive_sampling = False
     if request["basis"] is not None:
-        settings = spectral.Settings(basis=request["basis"], sun_elevation=request["sun_elevation"])
-        chosen = dict(zip(materials, zip(names, rho, strict=True), strict=True))
-        spectral.make_spectral(world, chosen, settings)
+        settings = Settings(basis=request["basis"], sun_elevation=request["sun_elevation"])
+        given = [Assignment(name, values) for name, values in zip(names, rho, strict=True)]
+        use_cases.make_spectral(scene, dict(zip(materials, given, strict=True)), settings)
     return scene
 
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.blend_data import nodes
 from spectral_skylight.addon.scene.world import capture, panorama, sky_texture
 from spectral_skylight.addon.scene.world import hdri as worlds
-from spectral_skylight.addon.scene.world.settings import Settings, stored
+from spectral_skylight.addon.scene.world.settings import stored
 from spectral_skylight.addon.sky.irradiance import exact_irradiance
 from spectral_skylight.addon.sky.light import FACES
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
@@ -385,8 +385,8 @@ def test_a_file_with_a_sky_texture_from_the_command_line(scene, tmp_path):
     value = scene.world.node_tree.nodes.new("ShaderNodeValue")
     value.outputs[0].default_value = 0.25
     scene.world.node_tree.links.new(value.outputs[0], background.inputs["Strength"])
-    settings = Settings(**stored(scene.world))
-    spectral.update(scene.world, settings)  # all of it is in the bake now
+    settings = stored(scene.world)
+    use_cases.update(scene, settings)  # all of it is in the bake now
     background.inputs["Strength"].default_value = 7.0
     seen = faces.seen(scene, tmp_path, len(NORMALS), "cycles")
     np.testing.assert_allclose(seen, 0.25 * expected, rtol=0.02)

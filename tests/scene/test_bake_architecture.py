@@ -5,10 +5,12 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon import progress
-from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.bake import instance_proxies, scene_bake, storage
 from spectral_skylight.addon.scene.output import render as renders
+from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.sky.panorama import write_panorama
+from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.node_groups import sky_visibility
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import exr, faces
@@ -284,7 +286,7 @@ def test_a_single_wall_has_light_on_its_back(tmp_path):
     sky = np.zeros((32, 64, 3), np.float32)
     sky[:16] = 0.4, 0.6, 1.0
     write_panorama(tmp_path / "sky.exr", sky)
-    world = spectral.set_sky(scene, tmp_path / "sky.exr", spectral.Settings())
+    use_cases.set_sky(scene, tmp_path / "sky.exr", Settings())
     paint = bpy.data.materials.new("Paint")
     wall = shown("Wall", [(2, 0, 0), (-2, 0, 0), (-2, 0, 2), (2, 0, 2)], [(0, 1, 2, 3)], paint)
     around = [(-20, -4, 3), (5, -4, 3), (5, 0, 3), (-20, 0, 3)]
@@ -297,10 +299,10 @@ def test_a_single_wall_has_light_on_its_back(tmp_path):
     scene.collection.objects.link(camera)
     scene.camera = camera
     scene.render.resolution_x = scene.render.resolution_y = 8
-    settings = spectral.Settings(ground="none", occlusion="baked", tolerance=None)
-    spectral.make_spectral(world, {paint: ("half", np.full(81, 0.5))}, settings)
+    settings = Settings(ground="none", occlusion="baked", tolerance=None)
+    use_cases.make_spectral(scene, {paint: Assignment("half", np.full(81, 0.5))}, settings)
     assert progress.run(scene_bake.bake(rays=1024))[-1] == "2 object(s) baked"
-    spectral.update(world, settings)
+    use_cases.update(scene, settings)
     seen = []
     for x in (0.0, 60.0):
         camera.location = x, -30, 1

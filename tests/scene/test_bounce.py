@@ -4,9 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon import progress
+from spectral_skylight.addon import progress, tags
 from spectral_skylight.addon.scene.bake import interreflection, scene_bake, storage
-from spectral_skylight.addon.scene.blend_data import nodes
 from spectral_skylight.node_groups import modifiers, sky_visibility
 from spectral_skylight.tests import faces
 
@@ -18,7 +17,7 @@ WALL = 4.0  # high, and as long on either side of the middle
 def shown(name, places):
     """An object of one quad with a managed material of the same name."""
     material = bpy.data.materials.new(name)
-    material[nodes.MANAGED] = {"id": "test"}
+    material[tags.MATERIAL] = {"id": "test"}
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(places, [], [(0, 1, 2, 3)])
     mesh.materials.append(material)

@@ -6,14 +6,17 @@ import bpy
 import numpy as np
 import pytest
 
+from spectral_skylight.addon import tags
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.lights import lighting, user_lamps
 from spectral_skylight.addon.scene.materials import base_color, spectral_material
 from spectral_skylight.addon.scene.output import render as renders
 from spectral_skylight.addon.scene.world import light_group
+from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 from spectral_skylight.addon.spectra.sensitivities import observer
+from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.tests import exr
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
@@ -34,7 +37,7 @@ def stage(tmp_path_factory):
     write_panorama(folder / "sky.exr", sky)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    spectral.set_sky(scene, folder / "sky.exr", spectral.Settings())
+    use_cases.set_sky(scene, folder / "sky.exr", Settings())
     bpy.ops.mesh.primitive_plane_add(size=8)
     floor = bpy.context.object
     floor.data.materials.append(bpy.data.materials.new("Floor"))
@@ -55,9 +58,9 @@ def stage(tmp_path_factory):
 def shoot(stage, engine, rho=RHO, **settings):
     """What was found, and the floor's row of pixels."""
     scene, folder, _ = stage
-    light, _ = spectral.make_spectral(
-        scene.world, {bpy.data.materials["Floor"]: ("test", rho)}, spectral.Settings(**settings)
-    )
+    light = use_cases.make_spectral(
+        scene, {bpy.data.materials["Floor"]: Assignment("test", rho)}, Settings(**settings)
+    ).light
     path, _ = renders.render(scene, folder / f"{engine}.exr", engine=engine)
     pixels = exr.picture(path)
     return light, pixels[8, :, :3].astype(float)
@@ -65,7 +68,7 @@ def shoot(stage, engine, rho=RHO, **settings):
 
 def test_a_live_dome_darkens_beside_a_wall(stage):
     light, free = shoot(stage, "eevee", ground="hdri")
-    transfer = spectral.Settings().transfer(light)
+    transfer = Settings().transfer(light)
     # The polynomial leaves 0.5 % at a horizon as hard as this one's.
     np.testing.assert_allclose(free[50], transfer.matrices(RHO) @ light.faces[0], rtol=0.01)
     _, shaded = shoot(stage, "eevee", occlusion="dome", ground="hdri")
@@ -92,7 +95,7 @@ def test_lamps_by_two_spectra(stage, tidy):
     for name, x, spectrum in (("Warm", 2.0, "2700K"), ("Tube", 3.0, "FL11")):
         light = bpy.data.lights.new(name, "POINT")
         light.energy = 100.0
-        light[user_lamps.SPECTRUM] = spectrum
+        light[tags.LAMP_SPECTRUM] = spectrum
         lamp = bpy.data.objects.new(name, light)
         lamp.location = (x, 0.0, 1.0)
         scene.collection.objects.link(lamp)
@@ -110,7 +113,7 @@ def test_lamps_by_two_spectra(stage, tidy):
         np.testing.assert_allclose(lit[x] - dark[x], expected, rtol=0.025)
         # Cycles takes the first lamp's reflectance for both: some per cent, in blue a seventh.
         np.testing.assert_allclose(cycles[x] - dark[x], expected, rtol=0.2)
-    bpy.data.objects["Warm"].data[user_lamps.SPECTRUM] = "no such lamp"
+    bpy.data.objects["Warm"].data[tags.LAMP_SPECTRUM] = "no such lamp"
     with pytest.raises(InputError, match="no such lamp"):
         shoot(stage, "eevee")
     bpy.data.objects["Warm"].hide_render = bpy.data.objects["Tube"].hide_render = True
@@ -126,13 +129,13 @@ def test_the_ground_of_the_choice(stage):
     try:
         for ground, upward in (("hdri", 1.0), ("none", 0.0)):
             light, seen = shoot(stage, "eevee", ground=ground)
-            found = lighting.find(light, spectral.Settings().transfer(light), ground=ground)
+            found = lighting.find(light, Settings().transfer(light), ground=ground)
             down = np.array([0.1, 0.15, 0.05]) * upward
             reflected = found.reflected(RHO)["Ground"]
             # 0.004: what a polynomial of degree 6 leaves of nothing where the horizon is hard.
             np.testing.assert_allclose(seen[50], reflected * down, rtol=0.02, atol=0.004)
         light, seen = shoot(stage, "eevee", ground="modelled")  # of grey's 20 %: nothing is below
-        M = spectral.Settings().transfer(light).matrices(0.2 * RHO)
+        M = Settings().transfer(light).matrices(0.2 * RHO)
         np.testing.assert_allclose(seen[50], M @ light.faces[0], rtol=0.03)
     finally:
         floor.rotation_euler = (0.0, 0.0, 0.0)
@@ -157,7 +160,7 @@ def test_a_texture_carries_the_spectrum(stage):
     mean = base_color.mean_colour(node.outputs[0])
     np.testing.assert_allclose(mean, ramp[:, :3].mean(axis=0), rtol=1e-5)
     light, seen = shoot(stage, "eevee", rho=GREEN, ground="hdri")
-    transfer = spectral.Settings().transfer(light)
+    transfer = Settings().transfer(light)
     varied = base_color.varied(material, "test", GREEN)
     np.testing.assert_allclose(mean @ varied, GREEN, atol=1e-9)
     for x in (40, 50, 60):
@@ -166,8 +169,7 @@ def test_a_texture_carries_the_spectrum(stage):
             seen[x], transfer.matrices(rho) @ light.faces[0], rtol=0.02, atol=1e-3
         )
     # Nobody measured it: the texture is all there is.
-    given = {material: (base_color.ESTIMATED, base_color.estimated(material))}
-    spectral.make_spectral(scene.world, given, spectral.Settings(ground="hdri"))
+    use_cases.estimate(scene, [material], Settings(ground="hdri"))
     path, _ = renders.render(scene, folder / "estimated.exr", engine="eevee")
     seen = exr.picture(path)[8, :, :3]
     for x in (40, 60):

@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
+from spectral_skylight.addon import tags
 from spectral_skylight.addon.scene.blend_data import nodes
 from spectral_skylight.addon.scene.materials import shader_rewrite, spectral_material
 from spectral_skylight.addon.scene.world import light_group
@@ -58,7 +59,7 @@ def put(material, **settings):
     """Dress the material and plug it in; return its look, its surface and what was plugged."""
     tree = material.node_tree
     surface = groups.add(tree, "ShaderNodeGroup", node_tree=surface_group())
-    surface[shader_rewrite.OURS] = "surface"
+    surface[tags.NODE] = "surface"
     output = tree.nodes["Output"].inputs["Surface"]
     old = shader_rewrite.read(nodes.source(output))
     tops = shader_rewrite.dress(material, surface, old, **settings)
@@ -70,7 +71,7 @@ def put(material, **settings):
 def take_off(material, plugged):
     """Remove what was added, and plug the old shader in again."""
     tree = material.node_tree
-    for node in [n for n in tree.nodes if shader_rewrite.OURS in n]:
+    for node in [n for n in tree.nodes if tags.NODE in n]:
         tree.nodes.remove(node)
     tree.links.new(plugged, tree.nodes["Output"].inputs["Surface"])
 
@@ -272,7 +273,7 @@ def test_a_mix_is_rebuilt_around_our_base():
         assert one.inputs[0].links[0].from_node == fresnel
         assert one.inputs[2].links[0].from_node == glossy
         ours = one.inputs[1].links[0]
-        assert ours.from_socket.name == name and ours.from_node[shader_rewrite.OURS] == "gloss"
+        assert ours.from_socket.name == name and ours.from_node[tags.NODE] == "gloss"
         assert ours.from_node.inputs[base].links[0].from_node == surface
     take_off(material, tree.nodes["Three"].outputs[0])
     assert dump(material) == before
@@ -299,9 +300,9 @@ def test_pixels_come_back(tmp_path):
         return [faces.picture(scene, tmp_path, engine)[..., :3] for engine in ("cycles", "eevee")]
 
     def put_on():
-        given = {"reflectance_name": "", "reflectance_hash": ""}
         matrix = np.diag([0.6, 0.3, 0.1])
-        spectral_material.apply(material, world, matrix, **given, gloss=True, textured=True)
+        surface = spectral_material.Surface(matrix, gloss=True, textured=True)
+        spectral_material.apply(material, world, surface)
         light_group.set_coefficients(world, np.ones((1, 3)))
 
     before = shown()

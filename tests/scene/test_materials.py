@@ -6,16 +6,24 @@ import bpy
 import numpy as np
 import pytest
 
+from spectral_skylight.addon import tags
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene.blend_data import nodes
 from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.scene.materials.record import Details, Result
 from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.tests import faces
 
 pytestmark = pytest.mark.blender
 
 MATRIX = np.arange(9.0).reshape(3, 3) / 10 - 0.1
-GIVEN = {"reflectance_name": "brick", "reflectance_hash": "abc"}
+DETAILS = Details(
+    Result("Wall", "brick", "diagonal", 1.5, 0.2, 0.4, (0.1, 0.2, 0.3), True, "a line"),
+    values=(0.25,) * 81,
+    measured=(400.0, 700.0),
+    source=(0.1, 0.2, "Image Texture"),
+    file="paints.csv:brick",
+)
+SURFACE = spectral_material.Surface(np.array(MATRIX), "brick", "abc", DETAILS)
 
 
 @pytest.fixture
@@ -133,7 +141,7 @@ def unlinked():
 def test_remove_restores_everything(world, make):
     material = make()
     before = dump(material)
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, SURFACE)
     assert dump(material) != before and spectral_material.is_managed(material)
     spectral_material.remove(material)
     assert dump(material) == before
@@ -144,35 +152,35 @@ def test_remove_restores_everything(world, make):
 
 def test_twice_is_once(world):
     material = bumpy()
-    extra = {"delta_E": 1.5, "nested": [[1, 2], {"none": None}]}
-    spectral_material.apply(material, world, MATRIX, **GIVEN, extra=extra)
+    spectral_material.apply(material, world, SURFACE)
     once = dump(material), [dump(group) for group in bpy.data.node_groups]
-    spectral_material.apply(material, world, MATRIX, **GIVEN, extra=extra)
+    spectral_material.apply(material, world, SURFACE)
     assert (dump(material), [dump(group) for group in bpy.data.node_groups]) == once
     told = spectral_material.managed(material)
     np.testing.assert_allclose(told.matrix, MATRIX, atol=1e-7)  # sockets are float32
-    assert (told.reflectance_name, told.reflectance_hash, told.world) == ("brick", "abc", world)
-    assert told.extra == extra and spectral_material.managed_materials() == [material]
+    record = told.record
+    assert (record.reflectance, record.reflectance_hash, told.world) == ("brick", "abc", world)
+    assert told.details == DETAILS and spectral_material.managed_materials() == [material]
     spectral_material.update(material, np.eye(3))
     assert spectral_material.managed(material).matrix == np.eye(3).tolist()
 
 
 def test_normal_and_alpha_are_carried_over(world):
     material = bumpy()
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, SURFACE)
     inputs = surface_of(material).inputs
     assert inputs["Normal"].links[0].from_node.type == "BUMP"
     assert inputs["Alpha"].links[0].from_node.type == "TEX_NOISE"
     output = material.node_tree.nodes["Material Output"]
     assert output.inputs["Volume"].is_linked and output.inputs["Displacement"].is_linked
     material = through_reroute()
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, SURFACE)
     assert surface_of(material).inputs["Alpha"].default_value == 0.25
 
 
 def test_each_engines_output_is_taken_over(world):
     material = two_engines()
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, SURFACE)
     tree = material.node_tree
     for engine in ("EEVEE", "CYCLES"):
         fed_by = tree.get_output_node(engine).inputs["Surface"].links[0].from_node
@@ -186,10 +194,10 @@ def test_each_engines_output_is_taken_over(world):
 def test_names_do_not_matter(world):
     """Nodes, groups, World and material renamed: still found, still undone."""
     material = bumpy()
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, SURFACE)
     for thing in (*material.node_tree.nodes, *bpy.data.node_groups, world, material):
         thing.name = "Renamed"
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, SURFACE)
     assert (
         spectral_material.managed_materials(world) == [material] and len(bpy.data.node_groups) == 3
     )
@@ -201,7 +209,7 @@ def test_names_do_not_matter(world):
 
 def test_a_copy_is_managed_on_its_own(world):
     material = principled()
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, SURFACE)
     copy = material.copy()
     assert spectral_material.managed_materials() == [material, copy]
     spectral_material.remove(material)
@@ -213,17 +221,17 @@ def test_a_copy_is_managed_on_its_own(world):
 
 def test_what_a_user_plugged_meanwhile_stays(world):
     material = principled()
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, SURFACE)
     tree = material.node_tree
     own = tree.nodes.new("ShaderNodeEmission")
     output = tree.nodes["Material Output"].inputs["Surface"]
     tree.links.new(own.outputs[0], output)
     spectral_material.remove(material)
     assert output.links[0].from_node == own
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, SURFACE)
     tree.nodes.remove(surface_of(material))
     assert not spectral_material.is_managed(material)
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, SURFACE)
     assert output.links[0].from_node == surface_of(material)
     spectral_material.remove(material)
     assert output.links[0].from_node == own
@@ -234,12 +242,12 @@ def test_two_worlds_and_a_change_of_world(world, tmp_path):
     other = faces.light(scene, tmp_path, 2)
     assert other != world
     first, second = principled("First"), principled("Second")
-    spectral_material.apply(first, world, MATRIX, **GIVEN)
-    spectral_material.apply(second, other, MATRIX, **GIVEN)
+    spectral_material.apply(first, world, SURFACE)
+    spectral_material.apply(second, other, SURFACE)
     light_group.set_coefficients(world, np.full((4, 3), 0.5))
     assert len(bpy.data.node_groups) == 5  # the matrix is shared
     assert not light_group.coefficients_of(other).any()
-    spectral_material.apply(second, world, MATRIX, **GIVEN)
+    spectral_material.apply(second, world, SURFACE)
     assert spectral_material.managed_materials(world) == [first, second]
     spectral_material.remove(first)
     np.testing.assert_allclose(light_group.coefficients_of(world)[[0, 3]], [[0.5] * 3, [0] * 3])
@@ -270,24 +278,22 @@ def test_linked_and_overridden_materials_are_refused(world, tmp_path):
     before = dump(linked)
     for call in (spectral_material.apply, spectral_material.update):
         with pytest.raises(InputError, match=r'"Theirs": is linked from .*library.blend"; make it'):
-            call(
-                *((linked, world, MATRIX) if call is spectral_material.apply else (linked, MATRIX)),
-                **(GIVEN if call is spectral_material.apply else {}),
-            )
+            given = (world, SURFACE) if call is spectral_material.apply else (MATRIX,)
+            call(linked, *given)
     assert dump(linked) == before and len(bpy.data.node_groups) == 0
     # Blender 5.3 takes what nothing uses for indirectly linked, and does not override that.
     mesh = bpy.data.meshes.new("Of theirs")
     mesh.materials.append(linked)
     override = linked.override_create()
     with pytest.raises(InputError, match="library override"):
-        spectral_material.apply(override, world, MATRIX, **GIVEN)
+        spectral_material.apply(override, world, SURFACE)
 
 
 def test_a_sky_that_is_none_leaves_the_material_alone(world):
     material = principled()
     before = dump(material)
     with pytest.raises(InputError, match="has no World"):
-        spectral_material.apply(material, None, MATRIX, **GIVEN)
+        spectral_material.apply(material, None, SURFACE)
     assert dump(material) == before
     with pytest.raises(InputError, match="has no reflectance yet"):
         spectral_material.update(material, MATRIX)
@@ -297,11 +303,11 @@ def test_a_sky_that_is_none_leaves_the_material_alone(world):
 def test_a_material_without_nodes_gets_and_loses_them(world):
     material = bpy.data.materials.new("Plain")
     material.diffuse_color = (0.9, 0.1, 0.2, 1.0)
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, SURFACE)
+    spectral_material.apply(material, world, SURFACE)
     assert material.use_nodes
     spectral_material.remove(material)
-    assert not material.use_nodes and nodes.MANAGED not in material
+    assert not material.use_nodes and tags.MATERIAL not in material
     fresh = bpy.data.materials.new("Plain too")
     fresh.diffuse_color = material.diffuse_color
     fresh.use_nodes = material.use_nodes = True  # what a user then finds is what Blender makes
@@ -312,7 +318,7 @@ def test_older_groups_are_brought_up_to_date_in_place(world):
     """An older version keeps links, values and coefficients; its inside and sockets become ours."""
     material = bumpy()
     light_group.set_coefficients(world, np.random.default_rng(1).uniform(0, 1, (49, 3)))
-    spectral_material.apply(material, world, MATRIX, **GIVEN)
+    spectral_material.apply(material, world, SURFACE)
     kept = light_group.coefficients_of(world)
     now = [dump(group) for group in bpy.data.node_groups]
     for group in bpy.data.node_groups:

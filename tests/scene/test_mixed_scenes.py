@@ -59,10 +59,10 @@ def scene(tmp_path_factory):
         "managed": shader("managed", "BsdfDiffuse"),
         "glossy": shader("glossy", "BsdfPrincipled", Roughness=0.05),
     }
-    given = {"reflectance_name": "", "reflectance_hash": ""}
-    spectral_material.apply(made["wall"], world, np.diag(WALL), **given)
-    spectral_material.apply(made["managed"], world, np.diag(FLOOR), **given)
-    spectral_material.apply(made["glossy"], world, np.zeros((3, 3)), **given, gloss=True)
+    spectral_material.apply(made["wall"], world, spectral_material.Surface(np.diag(WALL)))
+    spectral_material.apply(made["managed"], world, spectral_material.Surface(np.diag(FLOOR)))
+    black = spectral_material.Surface(np.zeros((3, 3)), gloss=True)
+    spectral_material.apply(made["glossy"], world, black)
     light_group.set_coefficients(world, np.ones((1, 3)))  # not the HDRI's: what is managed emits
     for k, name in enumerate(STRIPS):
         bpy.ops.mesh.primitive_plane_add(size=1, location=(2 * k - 3, -1, 0))

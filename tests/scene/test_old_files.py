@@ -7,12 +7,13 @@ import bpy
 import numpy as np
 import pytest
 
+from spectral_skylight.addon import tags
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import portraits, spectral
-from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon.scene import portraits, use_cases
 from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.scene.world.settings import Settings, stored
 from spectral_skylight.addon.spectra.reflectance import read_reflectances
+from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.node_groups import skylight_surface, spectral_matrix
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import faces
@@ -32,7 +33,7 @@ def opened(name):
 
 
 def settings_of(scene):
-    return Settings(**stored(scene.world))
+    return stored(scene.world)
 
 
 def fresh(basis):
@@ -40,9 +41,10 @@ def fresh(basis):
     scene = opened("base")
     read = read_reflectances(FILES / "paints.csv")
     given = {
-        bpy.data.materials[name]: (read.names[k], read.values[k]) for k, name in enumerate(NAMES)
+        bpy.data.materials[name]: Assignment(read.names[k], read.values[k])
+        for k, name in enumerate(NAMES)
     }
-    spectral.make_spectral(scene.world, given, Settings(basis=basis))
+    use_cases.make_spectral(scene, given, Settings(basis=basis))
     return scene
 
 
@@ -63,8 +65,8 @@ def test_an_old_file_renders_as_it_did_and_like_new_after_an_update(name, tmp_pa
     np.testing.assert_allclose(faces.seen(scene, tmp_path, 9, "cycles"), kept, rtol=5e-3, atol=1e-4)
     for each in NAMES:  # what panels and pictures ask for
         managed = spectral_material.managed(bpy.data.materials[each])
-        assert managed.reflectance_name == each.lower()
-        assert managed.extra["values"]
+        assert managed.record.reflectance == each.lower()
+        assert managed.details.values
         assert portraits.portrait(bpy.data.materials[each]).draw_curve() is not None
     assert len(portraits.expected()) == 3
 
@@ -73,7 +75,7 @@ def test_an_old_file_renders_as_it_did_and_like_new_after_an_update(name, tmp_pa
     identity = group.session_uid
     bump = bpy.data.materials["Brick"].node_tree.nodes["Bump"]
     surface("Tile").inputs["Alpha"].default_value = 1.0
-    spectral.update(scene.world, settings_of(scene), spectral.in_scene(scene))
+    use_cases.update(scene, settings_of(scene), use_cases.in_scene(scene))
     group = skylight_surface.find(scene.world)
     assert (group.session_uid, group[groups.VERSION]) == (identity, skylight_surface.VERSION)
     assert trees <= {t.name for t in bpy.data.node_groups} | {"Sky Probe"}
@@ -81,7 +83,7 @@ def test_an_old_file_renders_as_it_did_and_like_new_after_an_update(name, tmp_pa
     node = surface("Brick")
     assert node.node_tree == group
     assert node.inputs["Normal"].links[0].from_node == bump
-    record = bpy.data.materials["Brick"][nodes.MANAGED]
+    record = bpy.data.materials["Brick"][tags.MATERIAL]
     assert record["version"] == skylight_surface.VERSION
     now = faces.seen(scene, tmp_path, 9, "cycles")
     scene = fresh(settings_of(scene).basis)  # that of the file is kept
@@ -95,7 +97,7 @@ def test_old_files_in_eevee(tmp_path):
     scene = opened("surface1")
     shown = faces.seen(scene, tmp_path, 9)
     np.testing.assert_allclose(shown, kept, rtol=5e-3, atol=1e-3)
-    spectral.update(scene.world, settings_of(scene), spectral.in_scene(scene))
+    use_cases.update(scene, settings_of(scene), use_cases.in_scene(scene))
     now = faces.seen(scene, tmp_path, 9)
     scene = fresh("rayleigh")
     np.testing.assert_allclose(now, faces.seen(scene, tmp_path, 9), rtol=2e-3, atol=1e-3)
@@ -110,8 +112,8 @@ def test_a_file_of_a_newer_version_is_told_and_left_alone(tmp_path):
     inside = list(group.nodes)
     group[groups.VERSION] = newer
     with pytest.raises(InputError, match="newer version of this add-on; update the add-on"):
-        spectral.update(scene.world, settings_of(scene), spectral.in_scene(scene))
-    material[nodes.MANAGED]["version"] = newer
+        use_cases.update(scene, settings_of(scene), use_cases.in_scene(scene))
+    material[tags.MATERIAL]["version"] = newer
     for change in (spectral_material.check_editable, spectral_material.remove):
         with pytest.raises(InputError, match='"Brick": was made by a newer version'):
             change(material)

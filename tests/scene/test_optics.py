@@ -4,17 +4,17 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import spectral
-from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon import tags
+from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.lights import sun_lamp
 from spectral_skylight.addon.scene.materials import (
     glass_and_metal,
-    saved_settings,
-    shader_rewrite,
     spectral_material,
 )
+from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
+from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.addon.transfer.metals import tints
 from spectral_skylight.tests import faces
 from spectral_skylight.tests.scene.test_look import material_with
@@ -24,7 +24,8 @@ pytestmark = pytest.mark.blender
 
 GREEN = 0.2 + 0.6 * np.exp(-(((WAVELENGTHS - 530) / 60.0) ** 2))
 NK = np.interp(WAVELENGTHS, [380, 500, 600, 780], [1.2, 1.1, 0.3, 0.2]), 0.004 * WAVELENGTHS
-SETTINGS = spectral.Settings(basis="rayleigh", tolerance=None)
+PANE = Assignment("green", GREEN, faces=1)
+SETTINGS = Settings(basis="rayleigh", tolerance=None)
 
 
 @pytest.fixture
@@ -35,7 +36,7 @@ def scene(tmp_path):
     sky = np.array([0.3, 0.5, 1.0]) * (1.2 + view[..., 2:])
     sky[view @ np.array([0.6, 0.0, 0.8]) > 0.9996] = 30000.0
     write_panorama(tmp_path / "sky.exr", sky)
-    spectral.set_sky(scene, tmp_path / "sky.exr", SETTINGS)
+    use_cases.set_sky(scene, tmp_path / "sky.exr", SETTINGS)
     for name in ("Floor", "Pane"):
         square = faces.add_faces(scene, np.array([[0.0, 0.0, 1.0]]))
         square.name = name
@@ -51,8 +52,9 @@ def test_glass_by_its_transmittance(scene):
     glass.surface_render_method = "DITHERED"
     before = dump(glass)
     for _ in range(2):
-        glass_and_metal.glaze(glass, "green", GREEN)
-        light, _ = spectral.make_spectral(scene.world, {wall: ("half", 0.5 * GREEN)}, SETTINGS)
+        glass_and_metal.glaze(glass, PANE)
+        given = {wall: Assignment("half", 0.5 * GREEN)}
+        light = use_cases.make_spectral(scene, given, SETTINGS).light
     assert light.sun is not None
     node = glass_and_metal.pane_node(glass)
     tint = np.array(node.inputs["Transmittance"].default_value[:3])
@@ -72,9 +74,9 @@ def test_glass_by_its_transmittance(scene):
     assert not spectral_material.is_managed(glass) and glass_and_metal.pane_node(wall) is None
     spectral_material.remove(glass)
     assert dump(glass) == before
-    spectral.update(scene.world, SETTINGS)
+    use_cases.update(scene, SETTINGS)
     assert lamp.light_linking.blocker_collection is None
-    assert not any(glass_and_metal.PANES in collection for collection in bpy.data.collections)
+    assert not any(tags.PANES in collection for collection in bpy.data.collections)
 
 
 def test_a_frame_in_the_pane_is_told(scene):
@@ -83,8 +85,8 @@ def test_a_frame_in_the_pane_is_told(scene):
     window[0] = glass
     window.append(frame)
     scene.objects["Floor"].data.materials[0] = frame
-    glass_and_metal.glaze(glass, "green", GREEN)
-    spectral.make_spectral(scene.world, {frame: ("half", 0.5 * GREEN)}, SETTINGS)
+    glass_and_metal.glaze(glass, PANE)
+    use_cases.make_spectral(scene, {frame: Assignment("half", 0.5 * GREEN)}, SETTINGS)
     assert glass_and_metal.pass_through(scene) == [
         '"Pane": glass and frame in one object shade the sun; separate them by material'
     ]
@@ -94,18 +96,15 @@ def test_metal_by_its_n_and_k(scene):
     metal = material_with("BsdfPrincipled", Metallic=1.0, Roughness=0.2)
     scene.objects["Floor"].data.materials[0] = metal
     before = dump(metal)
-    light, _ = spectral.make_spectral(
-        scene.world, {metal: ("copper", GREEN)}, SETTINGS, {metal: NK}
-    )
+    given = {metal: Assignment("copper", GREEN, metal=NK)}
+    light = use_cases.make_spectral(scene, given, SETTINGS).light
     mapping = SETTINGS.transfer(light)
     sky = mapping.restoration @ light.faces.mean(axis=0)
-    node = next(n for n in metal.node_tree.nodes if n.get(shader_rewrite.OURS) == "gloss")
+    node = next(n for n in metal.node_tree.nodes if n.get(tags.NODE) == "gloss")
     for name, rgb in zip(("Metal Color", "Metal Edge"), tints(*NK, sky), strict=True):
         np.testing.assert_allclose(node.inputs[name].default_value[:3], rgb, atol=1e-5)
     node.inputs["Metal Color"].default_value = (0.0, 0.0, 0.0, 1.0)
-    spectral.update(scene.world, SETTINGS)  # from what the file keeps
+    use_cases.update(scene, SETTINGS)  # from what the file keeps
     assert node.inputs["Metal Color"].default_value[0] > 0.5
     spectral_material.remove(metal)
-    assert (
-        dump(metal) == before and saved_settings.METAL not in metal and nodes.MANAGED not in metal
-    )
+    assert dump(metal) == before and tags.METAL not in metal and tags.MATERIAL not in metal

@@ -4,8 +4,9 @@ import bpy
 import numpy as np
 import pytest
 
+from spectral_skylight.addon import tags
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.blend_data import nodes
 from spectral_skylight.addon.scene.lights import light_linking, sun_lamp
 from spectral_skylight.addon.scene.materials import spectral_material
@@ -13,6 +14,7 @@ from spectral_skylight.addon.scene.world import hdri as worlds
 from spectral_skylight.addon.scene.world.settings import Settings, stored
 from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
+from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.node_groups import gloss, skylight_surface
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import faces
@@ -22,7 +24,7 @@ pytestmark = pytest.mark.blender
 newest = pytest.mark.skipif(bpy.app.version < (5, 3, 0), reason="once is enough: in the newest")
 
 SETTINGS = Settings(basis="rayleigh", gloss=True)
-BRICK = ("brick", np.interp(WAVELENGTHS, [400, 560, 620, 700], [0.06, 0.1, 0.4, 0.55]))
+BRICK = Assignment("brick", np.interp(WAVELENGTHS, [400, 560, 620, 700], [0.06, 0.1, 0.4, 0.55]))
 
 
 def sky(path, seed):
@@ -36,7 +38,7 @@ def sky(path, seed):
 def house(folder, seed=1, name="Brick"):
     """A scene of one spectral wall under a sky."""
     scene = faces.empty_scene()
-    world = worlds.set_sky(scene, sky(folder / f"sky{seed}.exr", seed))
+    worlds.set_sky(scene, sky(folder / f"sky{seed}.exr", seed))
     material = bpy.data.materials.new(name)
     nodes.use(material)
     obj = faces.add_faces(scene, faces.directions(4))
@@ -46,7 +48,7 @@ def house(folder, seed=1, name="Brick"):
     tree.nodes["Principled BSDF"].inputs["Roughness"].default_value = 0.9
     bump = tree.nodes.new("ShaderNodeBump")
     tree.links.new(bump.outputs[0], tree.nodes["Principled BSDF"].inputs["Normal"])
-    spectral.make_spectral(world, {material: BRICK}, SETTINGS)
+    use_cases.make_spectral(scene, {material: BRICK}, SETTINGS)
     return scene
 
 
@@ -65,14 +67,7 @@ def take(path, link, **wanted):
 
 
 def update(scene):
-    chosen = []
-    for material in spectral.in_scene(scene):
-        try:
-            spectral_material.check_editable(material)
-        except InputError:
-            continue
-        chosen.append(material)
-    return spectral.update(scene.world, SETTINGS, chosen)
+    return use_cases.update(scene, SETTINGS)
 
 
 def doubles():
@@ -107,7 +102,7 @@ def test_an_appended_material_follows_the_world_here(library, tmp_path, kind):
         wall.material_slots[0].link = "OBJECT"
         wall.material_slots[0].material = theirs
     managed = spectral_material.managed(theirs)
-    assert managed.reflectance_name == "brick" and managed.world not in (None, world)
+    assert managed.record.reflectance == "brick" and managed.world not in (None, world)
     assert skylight_surface.KIND in doubles()
     bump = theirs.node_tree.nodes["Bump"]
     update(scene)
@@ -142,14 +137,14 @@ def test_linked_and_overridden_materials_are_skipped(library, tmp_path):
     obj = take(library, True, objects=["Wall"])
     scene.collection.objects.link(obj)
     theirs = obj.active_material
-    assert spectral_material.is_managed(theirs) and theirs in spectral.in_scene(scene)
+    assert spectral_material.is_managed(theirs) and theirs in use_cases.in_scene(scene)
     before = [list(s.default_value) for s in surface(theirs).inputs if s.type == "VECTOR"]
     with pytest.raises(InputError, match='"Theirs": is linked from'):
-        spectral.update(scene.world, SETTINGS, [theirs])
+        use_cases.update(scene, SETTINGS, [theirs])
     update(scene)
     scene.world = take(library, True, worlds=["Skylight"])
     ours = bpy.data.materials["Brick"]
-    spectral.make_spectral(scene.world, {ours: BRICK}, SETTINGS)
+    use_cases.make_spectral(scene, {ours: BRICK}, SETTINGS)
     assert spectral_material.managed(ours).world == scene.world
     assert surface(ours).node_tree.library is None
     after = [list(s.default_value) for s in surface(theirs).inputs if s.type == "VECTOR"]
@@ -165,7 +160,7 @@ def test_linked_and_overridden_materials_are_skipped(library, tmp_path):
     path = save(tmp_path, "linking.blend")
     bpy.ops.wm.open_mainfile(filepath=path)
     scene = bpy.context.scene
-    assert stored(scene.world)["basis"] == "rayleigh"  # though nothing is saved on a linked World
+    assert stored(scene.world).basis == "rayleigh"  # though nothing is saved on a linked World
     update(scene)
 
 
@@ -178,7 +173,7 @@ def test_a_linked_object_with_a_material_of_this_file(library, tmp_path):
     override.material_slots[0].link = "OBJECT"
     override.material_slots[0].material = own = bpy.data.materials.new("Own")
     nodes.use(own)
-    spectral.make_spectral(scene.world, {own: BRICK}, SETTINGS)
+    use_cases.make_spectral(scene, {own: BRICK}, SETTINGS)
     assert override in list(light_linking.find(scene).objects)
     spectral_material.remove(own)
     assert not spectral_material.is_managed(own)
@@ -213,7 +208,7 @@ def test_copies_stand_alone(tmp_path):
     spectral_material.remove(ours)
     assert spectral_material.is_managed(twin) and skylight_surface.find(scene.world) == group
     assert gloss.GLOSS in {t.get(groups.KIND) for t in bpy.data.node_groups}
-    spectral.make_spectral(scene.world, {ours: BRICK}, SETTINGS)
+    use_cases.make_spectral(scene, {ours: BRICK}, SETTINGS)
     bpy.data.orphans_purge(do_recursive=True)
     update(scene)
     assert surface(ours).node_tree == surface(twin).node_tree == group
@@ -236,7 +231,7 @@ def test_a_full_copy_of_a_scene_has_light_of_its_own(tmp_path):
     for one, wall in ((scene, obj), (copy, there)):
         managed = spectral_material.managed(wall.active_material)
         assert managed.world == one.world
-        lamps = [o for o in one.objects if o.get(sun_lamp.KEY) == sun_lamp.SUN]
+        lamps = [o for o in one.objects if o.get(tags.LAMP) == sun_lamp.SUN]
         assert len(lamps) == 1
         assert list(light_linking.find(one).objects) == [wall]
     copy.world.node_tree.nodes["Environment Texture"].image = bpy.data.images.load(

@@ -3,6 +3,7 @@
 import bpy
 import pytest
 
+from spectral_skylight.addon import tags
 from spectral_skylight.addon.scene.materials import saved_settings
 
 pytestmark = pytest.mark.blender
@@ -19,7 +20,7 @@ def test_owned_once_and_given_back():
     assert material.surface_render_method == "BLENDED"
     saved_settings.give_back(material)
     assert material.cycles.emission_sampling == "FRONT"
-    assert material.surface_render_method == "DITHERED" and saved_settings.KEPT not in material
+    assert material.surface_render_method == "DITHERED" and tags.MATERIAL_SETTINGS not in material
     saved_settings.give_back(material)
 
 

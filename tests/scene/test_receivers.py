@@ -4,9 +4,11 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.lights import light_linking
 from spectral_skylight.addon.scene.output import render as renders
+from spectral_skylight.addon.scene.world.settings import Settings
+from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.tests import exr
 from spectral_skylight.tests.scene.test_sun import sky_with_sun
 
@@ -18,7 +20,7 @@ def test_instances_are_lit_as_the_object_is(tmp_path):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     link = scene.collection.objects.link
-    world = spectral.set_sky(scene, tmp_path / "sky.exr", spectral.Settings())
+    use_cases.set_sky(scene, tmp_path / "sky.exr", Settings())
     material = bpy.data.materials.new("Paint")
     quad = bpy.data.meshes.new("Quad")
     quad.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [], [(0, 1, 2, 3)])
@@ -43,7 +45,8 @@ def test_instances_are_lit_as_the_object_is(tmp_path):
     scene.render.resolution_x, scene.render.resolution_y = 40, 12
     scene.eevee.taa_render_samples, scene.cycles.samples = 4, 64
     bpy.context.view_layer.update()
-    spectral.make_spectral(world, {material: ("test", np.full(81, 0.5))}, spectral.Settings())
+    given = {material: Assignment("test", np.full(81, 0.5))}
+    use_cases.make_spectral(scene, given, Settings())
     names = {obj.name for obj in light_linking.find(scene).objects}
     assert names == {"Itself", "Instance", "Places", "Child"}
     assert light_linking.mixed(scene) == []

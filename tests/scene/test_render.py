@@ -22,7 +22,7 @@ def scene(tmp_path):
     scene = faces.empty_scene()
     world = faces.light(scene, tmp_path)
     material = bpy.data.materials.new("Matt")
-    spectral_material.apply(material, world, np.eye(3), reflectance_name="", reflectance_hash="")
+    spectral_material.apply(material, world, spectral_material.Surface(np.eye(3)))
     light_group.set_coefficients(world, [[0.2, 0.4, 0.8], *np.full((3, 3), 0.1)])
     faces.add_faces(scene, faces.directions(16)).material_slots[0].material = material
     return scene

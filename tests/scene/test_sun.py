@@ -7,12 +7,15 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
-from spectral_skylight.addon.scene import spectral
-from spectral_skylight.addon.scene.lights import light_linking, lighting, sun_lamp
+from spectral_skylight.addon import tags
+from spectral_skylight.addon.scene import use_cases
+from spectral_skylight.addon.scene.lights import light_linking, lighting
 from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.scene.output import render as renders
+from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.sky.panorama import directions, write_panorama
 from spectral_skylight.addon.spectra.reflectance import reflectance_hash
+from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.tests import exr
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]
@@ -46,7 +49,7 @@ def scene(tmp_path_factory):
     in_hdri = sky_with_sun(folder / "sky.exr")
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    world = spectral.set_sky(scene, folder / "sky.exr", spectral.Settings())
+    world = use_cases.set_sky(scene, folder / "sky.exr", Settings())
     mapping = next(node for node in world.node_tree.nodes if node.type == "MAPPING")
     mapping.inputs["Rotation"].default_value[2] = TURN
     c, s = math.cos(-TURN), math.sin(-TURN)
@@ -81,9 +84,9 @@ def scene(tmp_path_factory):
 def make(scene, rho, **settings):
     """Make the left floor spectral with a reflectance, and return what was analysed."""
     material = bpy.data.materials["Spectral"]
-    light, _ = spectral.make_spectral(
-        scene.world, {material: ("test", rho)}, spectral.Settings(**settings)
-    )
+    light = use_cases.make_spectral(
+        scene, {material: Assignment("test", rho)}, Settings(**settings)
+    ).light
     return light
 
 
@@ -97,7 +100,7 @@ def seen(scene, folder, engine):
 
 def expected(light, rho, sun):
     """What a level face of a reflectance returns of sun and sky, by the room's own numbers."""
-    settings = spectral.Settings()
+    settings = Settings()
     transfer = settings.transfer(light)
     found = lighting.find(light, transfer)
     sky = transfer.matrices(rho) @ light.faces[0]
@@ -134,7 +137,7 @@ def test_removal_leaves_no_trace_and_no_sun_costs_nothing(scene):
     scene, _, _ = scene
     before = scene.world.sun_threshold, scene.world.use_sun_shadow
     make(scene, np.ones(81), sun=False)
-    assert not [obj for obj in scene.objects if sun_lamp.KEY in obj]
+    assert not [obj for obj in scene.objects if tags.LAMP in obj]
     objects = set(bpy.data.objects), set(bpy.data.lights), set(bpy.data.collections)
     threshold = scene.world.sun_threshold
     make(scene, np.ones(81))

@@ -6,6 +6,7 @@ import pytest
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.reflectance import read_reflectances
+from spectral_skylight.addon.transfer.known_light import KnownLight
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E, relative_error
 from spectral_skylight.addon.transfer.prediction import predict
@@ -43,7 +44,8 @@ def test_narrow_bands_and_steps(keep):
         assert ours.mean() < under and ours.mean() < today.mean() / 3.0
         assert ours.mean() > 1.2 * errors(LIGHTS).mean()
         expected = [
-            predict(transfer(), each, LIGHTS @ S.T).matrix.mean() for each in (rho, CHECKER)
+            predict(transfer(), each, KnownLight(LIGHTS @ S.T)).matrix.mean()
+            for each in (rho, CHECKER)
         ]
         assert expected[0] > 1.2 * expected[1]
         keep(
@@ -83,7 +85,7 @@ def test_saturated_colours_leave_the_gamut(keep):
     mapping = transfer()
     colours = mapping.matrices(CHECKER) @ (S @ BLUE)
     assert colours[cyan, 0] < 0.0
-    found = predict(mapping, CHECKER, [S @ BLUE])
+    found = predict(mapping, CHECKER, KnownLight(S @ BLUE))
     assert found.out_of_gamut[cyan] and not found.out_of_gamut[orange]
     clamped = delta_E(np.maximum(colours, 0.0), true(BLUE)[0], S @ BLUE)
     wide = transfer(space="Linear Rec.2020")

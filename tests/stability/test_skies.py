@@ -10,6 +10,7 @@ from spectral_skylight.addon.sky.panorama import directions, from_pixels
 from spectral_skylight.addon.sky.sky_classification import FOREIGN, outside
 from spectral_skylight.addon.spectra.daylight_locus import LIMIT, locus_distance
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
+from spectral_skylight.addon.transfer.known_light import KnownLight
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.addon.transfer.prediction import predict
@@ -96,8 +97,10 @@ def test_smoke_and_dust(keep):
     paper, today = errors(light).mean(), errors(light, "rgb").mean()
     assert 0.4 < paper < 0.4 * today
     assert locus_distance(S @ light) < LIMIT < locus_distance(S @ light, sun_elevation=30.0)
-    assert not predict(transfer(), CHECKER, [S @ light]).unknown
-    assert "no colour of skylight" in predict(transfer(), CHECKER, [S @ light], 30.0).unknown
+    assert not predict(transfer(), CHECKER, KnownLight(S @ light)).unknown
+    assert (
+        "no colour of skylight" in predict(transfer(), CHECKER, KnownLight(S @ light, 30.0)).unknown
+    )
     keep(
         "wildfire smoke, optical depth 4, sun at 30°",
         f"ΔE {paper:.1f}, {today:.1f} with RGB × RGB",
@@ -137,7 +140,7 @@ def test_white_lamps_cannot_be_seen(keep):
     light = bright(0.5 * skylight(-4.0) + 0.5 * source("LED-B5"))
     mapping = atmosphere(light, -4.0)
     off = errors(light, mapping).mean()
-    promised = predict(mapping, CHECKER, [S @ light], -4.0).matrix.mean()
+    promised = predict(mapping, CHECKER, KnownLight(S @ light, -4.0)).matrix.mean()
     assert off > 0.8 and locus_distance(S @ light) < LIMIT
     assert promised < 0.5 * off  # so it is: keep it until someone finds a sign
     keep(
@@ -155,7 +158,7 @@ def test_leaves_and_walls(keep):
     assert paper > today > 1.0
     mostly = outside(panorama(skylight(40.0), off_leaves, 5 * off_leaves)[0], None, FACES[5:])
     assert mostly.mostly
-    assert predict(transfer(), CHECKER, [S @ off_leaves]).unknown
+    assert predict(transfer(), CHECKER, KnownLight(S @ off_leaves)).unknown
     keep(
         "nothing but light off leaves",
         f"ΔE {paper:.1f}, {today:.1f} with RGB × RGB",
@@ -165,7 +168,7 @@ def test_leaves_and_walls(keep):
     found = outside(rgb, None, FACES)
     upright = bright(light[NORTH])
     assert errors(light[UP]).mean() < 0.3 < 0.6 < errors(upright).mean()
-    promised = predict(transfer(), CHECKER, [S @ upright], 40.0).matrix.mean()
+    promised = predict(transfer(), CHECKER, KnownLight(S @ upright, 40.0)).matrix.mean()
     assert found.shares[NORTH, FOREIGN] > 0.25 and found.shares[UP, FOREIGN] < 0.01
     keep(
         "a meadow in the lower half",

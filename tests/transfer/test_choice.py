@@ -24,15 +24,15 @@ from spectral_skylight.addon.transfer.choice import (
     MODELS,
     choose,
     choose_with,
-    doubt,
     lowest_degree,
     reduced,
     sky_line,
     visibility_line,
 )
+from spectral_skylight.addon.transfer.known_light import UNKNOWN_WHITE, KnownLight
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
-from spectral_skylight.addon.transfer.prediction import TODAY, UNTOLD_WHITE, predict
+from spectral_skylight.addon.transfer.prediction import TODAY, predict
 
 BY_MEMBER = ("scores", "elevations", "kinds", "ozone")
 BLUE = np.array([0.2, 0.35, 0.7])
@@ -50,7 +50,7 @@ def light():
 
 def test_greys_have_no_error_and_need_one_number(light):
     greys = np.array([0.03, 0.5, 0.9])[:, None] * np.ones(81)
-    choice = choose(transfer(), greys, light.faces, 20.0)
+    choice = choose(transfer(), greys, KnownLight(light.faces, 20.0))
     assert choice.models == ("scalar",) * 3
     # A grey reflects every spectrum of one colour alike: rounding is left.
     assert max(choice.prediction.bound[name].max() for name in (TODAY, *MODELS)) < 1e-5
@@ -75,36 +75,38 @@ def test_reduced_models_are_least_squares(checker):
 @pytest.mark.parametrize("space", ["Linear Rec.709", "ACEScg"])
 def test_the_prediction_does_not_depend_on_the_working_space(checker, light, space):
     T = rec709_to_working(space)
-    found = predict(transfer(space=space), checker, light.faces @ T.T, 20.0)
-    plain = predict(transfer(), checker, light.faces, 20.0)
+    found = predict(transfer(space=space), checker, KnownLight(light.faces @ T.T, 20.0))
+    plain = predict(transfer(), checker, KnownLight(light.faces, 20.0))
     # Models of other primaries are other models; the full matrix is the same in all.
     np.testing.assert_allclose(found.bound[FULL], plain.bound[FULL], rtol=1e-3, atol=1e-6)
 
 
 def test_the_prediction_does_not_depend_on_a_white_balance_that_is_told(checker):
     white = np.array([0.8, 1.0, 1.4])
-    plain = predict(transfer(), checker, BLUE)
-    told = predict(transfer(white=white), checker, BLUE / white)
+    plain = predict(transfer(), checker, KnownLight(BLUE))
+    told = predict(transfer(white=white), checker, KnownLight(BLUE / white))
     # The same spectra, seen through another adaptation: differences in colour stay nearly so.
     np.testing.assert_allclose(told.matrix, plain.matrix, rtol=0.35, atol=0.01)
 
 
 def test_the_size_of_the_white_does_not_count(checker):
     white = np.array([0.8, 1.0, 1.4])
-    one, other = (predict(transfer(white=size * white), checker, BLUE / white) for size in (1, 50))
+    one, other = (
+        predict(transfer(white=size * white), checker, KnownLight(BLUE / white)) for size in (1, 50)
+    )
     for name in (TODAY, FULL):
         np.testing.assert_allclose(other.bound[name], one.bound[name], rtol=1e-6, atol=1e-6)
 
 
 def test_the_more_a_model_has_the_nearer_it_comes(checker, light):
-    found = choose(transfer(), checker, light.faces, 20.0).prediction.mean
+    found = choose(transfer(), checker, KnownLight(light.faces, 20.0)).prediction.mean
     assert found["scalar"].mean() > found["diagonal"].mean() > found[FULL].mean()
     assert found[TODAY].mean() > found["diagonal"].mean()
 
 
 def test_models_keep_to_the_tolerance_or_are_full(checker, light):
     for tolerance in (0.2, 0.5, 2.0):
-        choice = choose(transfer(), checker, light.faces, 20.0, tolerance)
+        choice = choose(transfer(), checker, KnownLight(light.faces, 20.0), tolerance)
         for k, model in enumerate(choice.models):
             cheaper = MODELS[: MODELS.index(model)]
             assert all(choice.prediction.bound[name][k] > tolerance for name in cheaper)
@@ -116,8 +118,8 @@ def test_the_simplest_basis(checker, light):
     def of(name):
         return transfer(name, sun_elevation=20.0, sky_rgb=light.faces)
 
-    loose = choose_with(of, "simplest", checker, light.faces, 20.0, 3.0)
-    tight = choose_with(of, "simplest", checker, light.faces, 20.0, 0.05)
+    loose = choose_with(of, "simplest", checker, KnownLight(light.faces, 20.0), 3.0)
+    tight = choose_with(of, "simplest", checker, KnownLight(light.faces, 20.0), 0.05)
     assert (loose.transfer.basis, tight.transfer.basis) == ("rayleigh", "atmosphere")
     assert choose_with(of, "simplest", checker, None).transfer.basis == "atmosphere"
 
@@ -132,14 +134,14 @@ def test_the_simplest_basis(checker, light):
     ],
 )
 def test_unknown(checker, lights, elevation, reason):
-    choice = choose(transfer(), checker, lights, elevation)
+    choice = choose(transfer(), checker, KnownLight(lights, elevation))
     assert reason in choice.prediction.unknown and set(choice.models) == {FULL}
     assert np.isnan(choice.prediction.rgb).all() and "unknown" in choice.line(0, "wall")
 
 
 def test_an_untold_white_is_unknown(checker):
-    choice = choose(transfer(), checker, BLUE, 30.0, 60.0, doubted=UNTOLD_WHITE)
-    assert choice.prediction.unknown == UNTOLD_WHITE and set(choice.models) == {FULL}
+    choice = choose(transfer(), checker, KnownLight(BLUE, 30.0, doubt=UNKNOWN_WHITE), 60.0)
+    assert choice.prediction.unknown == UNKNOWN_WHITE and set(choice.models) == {FULL}
 
 
 def test_lowest_degree(light):
@@ -160,7 +162,7 @@ def test_lowest_degree(light):
 
 
 def test_what_the_sky_was_modelled_with(light):
-    choice = choose(transfer(), np.ones(81), light.faces)
+    choice = choose(transfer(), np.ones(81), KnownLight(light.faces))
     assert "basis rayleigh" in sky_line(choice, light)
     with_disc = sky_rgb(20.0, 256, orders=1)
     with_disc[99:101, 255:257] = 3e4 * with_disc.mean()
@@ -183,17 +185,20 @@ def test_foreign_light_widens_the_bound(checker):
     t = transfer("atmosphere", sun_elevation=30.0, sky_rgb=BLUE)
     seen = light @ t.S_in.T
     true = delta_E(t.matrices(checker) @ seen, true_colours(light[None], checker)[0], seen)
-    told = predict(t, checker, seen, foreign=1 / 3).bound[FULL]
-    untold = predict(t, checker, seen).bound[FULL]
+    told = predict(t, checker, KnownLight(seen, foreign=1 / 3)).bound[FULL]
+    untold = predict(t, checker, KnownLight(seen)).bound[FULL]
     assert np.mean(true <= told) >= 0.9 > 0.5 > np.mean(true <= untold)
 
 
 def test_a_world_that_is_mostly_outside_is_unknown():
     rgb = np.full((32, 64, 3), BLUE, dtype=np.float32)
-    assert doubt(analyse(from_pixels(rgb, "sky")), tinted=False) == ""
-    assert doubt(analyse(from_pixels(rgb, "sky")), tinted=True) == UNTOLD_WHITE
+    assert KnownLight.of(analyse(from_pixels(rgb, "sky"))).doubt == ""
+    assert (
+        KnownLight.of(analyse(from_pixels(rgb, "sky")), white_is_doubtful=True).doubt
+        == UNKNOWN_WHITE
+    )
     lamps = rgb * np.float32([1.0, 1.0, 0.05])
-    assert "mostly outside" in doubt(analyse(from_pixels(lamps, "sky")), tinted=False)
+    assert "mostly outside" in KnownLight.of(analyse(from_pixels(lamps, "sky"))).doubt
 
 
 def test_greys_are_covered():

@@ -20,6 +20,7 @@ from spectral_skylight.addon.spectra.working_spaces import (
     primaries_to_rec709,
     rec709_to_working,
 )
+from spectral_skylight.addon.transfer.known_light import KnownLight
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.addon.transfer.prediction import predict, rgb_albedo
@@ -218,14 +219,14 @@ def test_measured_daylight(shared_data, checker):
 
 def test_cyan_is_reported_out_of_gamut(checker):
     t = transfer()
-    cyan = predict(t, checker[[17]], np.ones(3))
+    cyan = predict(t, checker[[17]], KnownLight(np.ones(3)))
     assert cyan.colour[0, 0] < 0 and cyan.out_of_gamut[0]
-    grey = predict(t, np.full((1, 81), 0.3), np.ones(3))
+    grey = predict(t, np.full((1, 81), 0.3), KnownLight(np.ones(3)))
     assert not grey.out_of_gamut[0]
 
 
 def test_dark_sky_predicts_nothing():
-    assert np.isnan(predict(transfer(), np.full((1, 81), 0.3), np.zeros(3)).rgb).all()
+    assert np.isnan(predict(transfer(), np.full((1, 81), 0.3), KnownLight(np.zeros(3))).rgb).all()
 
 
 @pytest.mark.parametrize(

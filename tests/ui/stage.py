@@ -39,7 +39,7 @@ def material(name="Wall"):
 
 def given(name="Wall"):
     managed = spectral_material.managed(material(name))
-    return managed and managed.reflectance_name
+    return managed and managed.record.reflectance
 
 
 def matrix(name="Wall"):

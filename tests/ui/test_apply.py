@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.transfer.assignment import ESTIMATED
 from spectral_skylight.tests.ui.stage import (
     error_of,
     given,
@@ -44,9 +45,9 @@ def test_what_was_measured_is_kept_and_forgotten_with_the_reflectance(scene, bri
     file.write_text("nm,slate\n" + "".join(f"{nm},0.{nm}\n" for nm in range(400, 701, 10)))
     bpy.ops.skylight.apply(filepath=str(file))
     bpy.ops.skylight.update()
-    assert spectral_material.managed(material()).extra["measured"] == [400.0, 700.0]
+    assert spectral_material.managed(material()).details.measured == (400.0, 700.0)
     bpy.ops.skylight.estimate()
-    assert spectral_material.managed(material()).extra["measured"] is None
+    assert spectral_material.managed(material()).details.measured is None
 
 
 def test_apply_on_the_selection(scene, brick):
@@ -181,3 +182,33 @@ def test_a_step_back_undoes_apply(scene, brick):
     bpy.ops.ed.redo()
     assert (given(), material().skylight.column) == ("brick", "brick")
     bpy.ops.skylight.update()
+
+
+def test_a_table_gives_a_re_imported_model_what_it_had(scene, brick, tmp_path):
+    """Two materials, one estimated; then new materials of the same names, and one that is gone."""
+    table = tmp_path / "house.materials.csv"
+    with pytest.raises(RuntimeError, match="No material of the file is spectral"):
+        bpy.ops.skylight.write_assignments(filepath=str(table))
+    bpy.ops.skylight.apply(filepath=brick, column="brick")
+    bpy.ops.skylight.estimate(material="Roof")
+    before = {name: matrix(name) for name in ("Wall", "Roof")}
+    bpy.ops.skylight.write_assignments(filepath=str(table))
+    assert table.read_text().splitlines()[1:] == [
+        "Roof,estimate,,,,,",
+        "Wall,brick.csv:brick,,,,,fraction",
+    ]
+    bpy.ops.skylight.remove_all()
+    for name in ("Wall", "Roof"):
+        old = bpy.data.materials[name]
+        old.name = "Old"
+        fresh = old.copy()
+        fresh.name = name
+        old.user_remap(fresh)
+    table.write_text(table.read_text() + "Gutter,estimate,,,,,\n")
+    bpy.ops.skylight.read_assignments(filepath=str(table))
+    assert (given("Wall"), given("Roof")) == ("brick", ESTIMATED)
+    for name, values in before.items():
+        assert matrix(name) == pytest.approx(values, abs=1e-7)
+    table.write_text("material,reflectance\nGutter,estimate\n")
+    error = error_of(bpy.ops.skylight.read_assignments, filepath=str(table))
+    assert "names no material of this scene" in error

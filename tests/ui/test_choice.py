@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene import everything
+from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.materials import glass_and_metal, spectral_material
 from spectral_skylight.addon.ui import panels
 from spectral_skylight.tests.ui.stage import (
@@ -48,7 +48,8 @@ def test_glass(scene, pane):
     assert "pane" in shown.properties and "behind" not in shown.properties
     choice.pane = "BLOCK"
     bpy.ops.skylight.apply()
-    name, transmittance, _, faces = glass_and_metal.pane_of(material())
+    pane = glass_and_metal.pane_of(material())
+    name, transmittance, faces = pane.name, pane.values, pane.faces
     assert (name, faces) == ("green", 2)
     assert transmittance[[0, -1]] == pytest.approx([0.8, 0.4])
     assert "Glass: green" in drawn(panels.SKYLIGHT_PT_material).text
@@ -56,7 +57,7 @@ def test_glass(scene, pane):
     bpy.ops.skylight.update()
     bpy.ops.skylight.make_spectral()  # which leaves it glass, and makes the roof spectral
     assert glass_and_metal.pane_node(material()) is not None and given("Roof") is not None
-    assert everything.left_alone(scene) == []
+    assert use_cases.left_alone(scene) == []
     bpy.ops.skylight.remove()
     assert links() == before and glass_and_metal.pane_node(material()) is None
 
@@ -85,14 +86,14 @@ def test_a_metal(scene, gold, brick):
     assert "shows no metal" in error_of(bpy.ops.skylight.apply, filepath=gold, kind="METAL")
     material().node_tree.nodes["Principled BSDF"].inputs["Metallic"].default_value = 1.0
     bpy.ops.skylight.make_spectral()
-    assert everything.left_alone(scene) == [("Wall", "is a metal: give it its n and k")]
+    assert use_cases.left_alone(scene) == [("Wall", "is a metal: give it its n and k")]
     bpy.ops.skylight.choose_reflectance(filepath=gold, kind="METAL")
     shown = drawn(panels.SKYLIGHT_PT_material)
     assert "column" not in shown.properties and material().skylight.problem == ""
     bpy.ops.skylight.make_spectral()
     n, k = glass_and_metal.metal_of(material())
     assert (n[0], k[0], n[-1], k[-1]) == pytest.approx((1.4, 1.9, 0.3, 3.0))
-    assert everything.left_alone(scene) == [] and given() == "gold"
+    assert use_cases.left_alone(scene) == [] and given() == "gold"
     kept = matrix()
     bpy.ops.skylight.make_spectral()
     assert matrix() == pytest.approx(kept)
@@ -104,15 +105,15 @@ def test_a_metal(scene, gold, brick):
 
 def test_behind_glass(scene, brick, pane):
     bpy.ops.skylight.apply(filepath=brick, column="moss")
-    free = np.array(spectral_material.managed(material()).extra["values"])
+    free = np.array(spectral_material.managed(material()).details.values)
     material().skylight.behind = pane
     bpy.ops.skylight.apply()
     found = spectral_material.managed(material())
-    assert found.reflectance_name == "moss behind green"
+    assert found.record.reflectance == "moss behind green"
     tau = np.interp(np.arange(380, 781, 5), GRID, [0.8 - 0.4 * (x > 600) for x in GRID])
     # Monotone cubics and straight lines differ beside a step, 600 to 620 nm.
-    assert np.abs(found.extra["values"] - free * tau)[:44] == pytest.approx(0, abs=1e-6)
-    assert np.abs(found.extra["values"] - free * tau)[50:] == pytest.approx(0, abs=1e-6)
+    assert np.abs(found.details.values - free * tau)[:44] == pytest.approx(0, abs=1e-6)
+    assert np.abs(found.details.values - free * tau)[50:] == pytest.approx(0, abs=1e-6)
     assert "not applied yet" not in drawn(panels.SKYLIGHT_PT_material).text
     bpy.ops.skylight.update()
     assert given() == "moss behind green"

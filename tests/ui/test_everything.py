@@ -5,8 +5,10 @@ import json
 import bpy
 import pytest
 
-from spectral_skylight.addon.scene import everything
-from spectral_skylight.addon.scene.materials import base_color, spectral_material
+from spectral_skylight.addon import tags
+from spectral_skylight.addon.scene import use_cases
+from spectral_skylight.addon.scene.materials import spectral_material
+from spectral_skylight.addon.transfer.assignment import ESTIMATED
 from spectral_skylight.addon.ui import panels
 from spectral_skylight.tests.ui.stage import drawn, given, material
 
@@ -30,9 +32,9 @@ def test_one_click(scene, brick, lamp, capfd):
     bpy.ops.skylight.choose_reflectance(filepath=brick, column="moss")
     material("Roof").node_tree.nodes["Principled BSDF"].inputs[0].default_value = (0.6, 0.2, 0.1, 1)
     assert bpy.ops.skylight.make_spectral() == {"FINISHED"}
-    assert (given("Wall"), given("Roof")) == ("moss", base_color.ESTIMATED)
+    assert (given("Wall"), given("Roof")) == ("moss", ESTIMATED)
     assert not spectral_material.is_managed(lamp)
-    assert everything.left_alone(scene) == [("Sign", "gives light of its own")]
+    assert use_cases.left_alone(scene) == [("Sign", "gives light of its own")]
     said = capfd.readouterr().out
     assert "2 material(s) spectral, 1 of them estimated; 1 left alone" in said
     assert "left alone: Sign: gives light of its own" in said
@@ -55,7 +57,7 @@ def test_only_what_was_measured(scene, brick, lamp):
     bpy.ops.skylight.choose_reflectance(filepath=brick, column="moss")
     bpy.ops.skylight.make_spectral(estimate=False)
     assert (given("Wall"), given("Roof")) == ("moss", None)
-    assert ("Roof", "no reflectance is chosen for it") in everything.left_alone(scene)
+    assert ("Roof", "no reflectance is chosen for it") in use_cases.left_alone(scene)
 
 
 def test_a_scene_of_lamps_alone_stays_as_it_is(scene, lamp):
@@ -64,7 +66,7 @@ def test_a_scene_of_lamps_alone_stays_as_it_is(scene, lamp):
         bpy.data.objects[name].data.materials.append(lamp)
     before = len(bpy.data.objects), [t.name for t in bpy.data.node_groups]
     bpy.ops.skylight.make_spectral()
-    assert everything.left_alone(scene) == [("Sign", "gives light of its own")]
+    assert use_cases.left_alone(scene) == [("Sign", "gives light of its own")]
     assert (len(bpy.data.objects), [t.name for t in bpy.data.node_groups]) == before
 
 
@@ -76,7 +78,7 @@ def test_a_broken_file_spoils_only_its_material(scene, tmp_path, brick):
     material("Wall").skylight.filepath = str(broken)
     bpy.ops.skylight.make_spectral()
     assert (given("Wall"), given("Roof")) == (None, "brick")
-    ((name, why),) = everything.left_alone(scene)
+    ((name, why),) = use_cases.left_alone(scene)
     assert name == "Wall" and "broken.csv" in why
 
 
@@ -90,16 +92,16 @@ def test_ended_halfway_what_is_done_is_whole(scene, lamp):
     """Esc closes the generator: materials before it are lit, those after it are untouched."""
     from spectral_skylight.addon.ui import properties
 
-    work = everything.make(scene, {}, properties.settings_of(scene.world))
+    work = use_cases.make_everything_spectral(scene, {}, properties.settings_of(scene.world))
     for progress in work:
         if progress.line == "Roof":
             break
     work.close()
-    assert (given("Roof"), given("Wall")) == (base_color.ESTIMATED, None)
-    assert json.loads(scene.get(everything.LEFT, "[]")) == []
+    assert (given("Roof"), given("Wall")) == (ESTIMATED, None)
+    assert json.loads(scene.get(tags.LEFT_ALONE, "[]")) == []
     assert "the sun" in drawn(panels.SKYLIGHT_PT_light).text
     bpy.ops.skylight.remove_all()
-    work = everything.make(scene, {}, properties.settings_of(scene.world))
+    work = use_cases.make_everything_spectral(scene, {}, properties.settings_of(scene.world))
     groups = len(bpy.data.node_groups)
     next(work)
     work.close()  # before the first: nothing has changed

@@ -235,7 +235,7 @@ def test_dropping_on_an_object_without_a_material_makes_one(scene, brick):
     scene.collection.objects.link(obj)
     bpy.ops.skylight.drop_reflectance(filepath=brick, column="moss", object="Bare")
     assert obj.material_slots[0].material.name == "moss"
-    assert spectral_material.managed(obj.material_slots[0].material).reflectance_name == "moss"
+    assert spectral_material.managed(obj.material_slots[0].material).record.reflectance == "moss"
 
 
 def test_a_glazing_that_is_dropped_is_glass(scene, tmp_path):

@@ -30,11 +30,13 @@ def test_load_sky_lights_the_scene(scene, tmp_path):
 
 def test_load_sky_takes_the_spectral_materials_along(scene, brick, tmp_path):
     bpy.ops.skylight.apply(filepath=brick, column="brick")
-    before = spectral_material.managed(material()).extra["colour"]
+    before = spectral_material.managed(material()).details.result.colour
     bpy.ops.skylight.load_sky(filepath=str(write_sky(tmp_path / "green.exr", turquoise=2.0)))
     managed = spectral_material.managed(material())
     assert managed.world == scene.world
-    assert managed.extra["colour"][1] > 1.5 * before[1]  # twice the green, less some blue's part
+    assert (
+        managed.details.result.colour[1] > 1.5 * before[1]
+    )  # twice the green, less some blue's part
     assert given() == "brick"
 
 
@@ -134,14 +136,13 @@ def test_sky_numbers_reach_the_matrix(scene, brick):
 
 def test_sky_numbers_are_those_that_the_materials_were_made_with(scene, brick):
     """Whoever made them: the panel must not undo by Update what the command line set."""
-    settings.store(scene.world, {"basis": "daylight", "white": [0.8, 1.0, 1.5], "camera": None})
+    settings.store(scene.world, settings.Settings("daylight", white=(0.8, 1.0, 1.5)))
     numbers = scene.world.skylight
     assert (numbers.basis, numbers.camera) == ("daylight", "")
     assert tuple(numbers.white) == pytest.approx((0.8, 1.0, 1.5))
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     stored = settings.stored(scene.world)
-    assert (stored["basis"], stored["white"]) == ("daylight", [0.8, 1.0, 1.5])
-    assert "camera" not in stored
+    assert (stored.basis, stored.white, stored.camera) == ("daylight", (0.8, 1.0, 1.5), None)
 
 
 def test_the_tolerance_chooses_the_least_model(scene, brick):
@@ -150,12 +151,12 @@ def test_the_tolerance_chooses_the_least_model(scene, brick):
     numbers.tolerance = 0.02
     numbers.white_balanced = True  # by (1, 1, 1): this small sky only looks so
     bpy.ops.skylight.apply(filepath=brick, column="brick")
-    found = spectral_material.managed(material()).extra
-    assert found["model"] == "3x3" and found["bound"] > 0.0
+    found = spectral_material.managed(material()).details.result
+    assert found.model == "3x3" and found.bound > 0.0
     numbers.tolerance = 10.0
     bpy.ops.skylight.update()
-    found = spectral_material.managed(material()).extra
-    assert found["model"] == "diagonal" and found["bound"] <= 10.0
+    found = spectral_material.managed(material()).details.result
+    assert found.model == "diagonal" and found.bound <= 10.0
     M = matrix()
     assert abs(M - np.diag(np.diag(M))).max() < 1e-6  # float32 sockets
     assert light_group.description_of(scene.world)["degree"] <= 1
@@ -171,18 +172,18 @@ def test_a_wrong_camera_is_one_line(scene, brick):
 def test_the_swatch_is_the_colour_under_this_sky(scene, brick, tmp_path):
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     choice = material().skylight
-    found = spectral_material.managed(material()).extra
+    found = spectral_material.managed(material()).details
     upward = light_group.description_of(scene.world)["upward"]
-    assert found["white"] == pytest.approx(np.dot([0.2126, 0.7152, 0.0722], upward), rel=1e-3)
-    colour = np.array(found["colour"]) / found["white"]  # white is 1, however dim the sky
+    assert found.white == pytest.approx(np.dot([0.2126, 0.7152, 0.0722], upward), rel=1e-3)
+    colour = np.array(found.result.colour) / found.white  # white is 1, however dim the sky
     assert tuple(choice.swatch) == pytest.approx(colour, rel=1e-6)  # float32
     assert choice.swatch_scale == pytest.approx(1.0)
     choice.swatch = (1, 1, 1)  # what a person picks there changes nothing
     assert tuple(choice.swatch) == pytest.approx(colour, rel=1e-6)
     bright = write_sky(tmp_path / "bright.exr", turquoise=40.0, sun=0)
     bpy.ops.skylight.load_sky(filepath=str(bright))
-    found = spectral_material.managed(material()).extra
-    bright = np.array(found["colour"]) / found["white"]
+    found = spectral_material.managed(material()).details
+    bright = np.array(found.result.colour) / found.white
     assert tuple(choice.swatch) == pytest.approx(np.maximum(bright, 0) / max(1, *bright), rel=1e-6)
 
 

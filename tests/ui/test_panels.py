@@ -7,7 +7,7 @@ import pathlib
 import bpy
 import pytest
 
-from spectral_skylight.addon.scene.blend_data import nodes
+from spectral_skylight.addon import tags
 from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.ui import material_panel, panels, result, wheels
 from spectral_skylight.tests.ui.stage import drawn, select
@@ -25,8 +25,8 @@ def applied(scene, tmp_path):
 def edit(**values):
     """Change what is kept with the material Wall."""
     wall = bpy.data.materials["Wall"]
-    extra = json.loads(wall[nodes.MANAGED]["extra"])
-    wall[nodes.MANAGED]["extra"] = json.dumps({**extra, **values})
+    extra = json.loads(wall[tags.MATERIAL]["extra"])
+    wall[tags.MATERIAL]["extra"] = json.dumps({**extra, **values})
 
 
 def test_the_sky_and_what_of_it_is_missing(applied):
@@ -70,8 +70,8 @@ PANELS_OF_A_MATERIAL = [panels.SKYLIGHT_PT_material, material_panel.SKYLIGHT_PT_
 @pytest.mark.parametrize("panel", PANELS_OF_A_MATERIAL)
 def test_a_spectral_material(applied, panel):
     shown = drawn(panel)
-    found = spectral_material.managed(bpy.data.materials["Wall"]).extra
-    rgb, spectral = found["rgb_delta_E"], found["matrix_delta_E"]
+    found = spectral_material.managed(bpy.data.materials["Wall"]).details.result
+    rgb, spectral = found.rgb_delta_E, found.matrix_delta_E
     assert f"RGB is off by ΔE {rgb:.1f}, spectral by {spectral:.1f}" in shown.text
     assert "brick" in shown.text
     assert "out of gamut" not in shown.text

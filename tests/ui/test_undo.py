@@ -3,8 +3,7 @@
 import bpy
 import pytest
 
-from spectral_skylight.addon.scene.blend_data import nodes
-from spectral_skylight.addon.scene.materials import saved_settings
+from spectral_skylight.addon import tags
 from spectral_skylight.addon.scene.world import view_transform
 from spectral_skylight.tests.ui.stage import material, select, write_sky
 
@@ -88,7 +87,7 @@ def test_each_button_is_one_step(scene, brick, tmp_path):
     check(told(ops.choose_reflectance, filepath=brick, column="brick"))
     check(told(ops.apply))
     check(told(ops.make_spectral))
-    assert saved_settings.COLOUR in material("Roof")
+    assert tags.VIEWPORT_COLOR in material("Roof")
     check(told(ops.neutral_white))
     check(told(ops.before_after))
     check(told(ops.before_after))
@@ -104,4 +103,4 @@ def test_each_button_is_one_step(scene, brick, tmp_path):
     check(told(ops.remove_selected))
     check(told(ops.apply_selected, filepath=brick, column="moss"))
     check(told(ops.remove_all))
-    assert not any(nodes.MANAGED in each for each in bpy.data.materials)
+    assert not any(tags.MATERIAL in each for each in bpy.data.materials)

@@ -4,7 +4,8 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene.materials import rgb_comparison, saved_settings, shader_rewrite
+from spectral_skylight.addon import tags
+from spectral_skylight.addon.scene.materials import rgb_comparison
 from spectral_skylight.addon.scene.output.render import render
 from spectral_skylight.addon.scene.world import view_transform
 from spectral_skylight.addon.ui import panels
@@ -38,9 +39,9 @@ def test_show_in_viewport(scene):
 def inputs(name="Wall"):
     """Every vector and colour of our nodes in a material, by the node's role and the input."""
     return {
-        (node[shader_rewrite.OURS], socket.name): tuple(socket.default_value)
+        (node[tags.NODE], socket.name): tuple(socket.default_value)
         for node in material(name).node_tree.nodes
-        if shader_rewrite.OURS in node
+        if tags.NODE in node
         for socket in node.inputs
         if socket.type in ("VECTOR", "RGBA")
     }
@@ -74,9 +75,7 @@ def test_before_and_after_swap_values_alone(scene, brick):
     copy = material().copy()  # says so on its own
     assert copy in rgb_comparison.shown_now()
     bpy.ops.skylight.remove_all()
-    assert not any(
-        saved_settings.OTHER in m or saved_settings.BEFORE in m for m in bpy.data.materials
-    )
+    assert not any(tags.COMPARISON in m or tags.SHOWS_RGB in m for m in bpy.data.materials)
 
 
 def rgb_of(path, column):
@@ -158,7 +157,7 @@ def test_a_neutral_white_is_no_second_one(scene, brick):
     bpy.ops.skylight.neutral_white()
     scene.world.skylight.white_balanced = True
     bpy.ops.skylight.update()  # what would be twice from now on is taken back
-    assert not settings.use_white_balance and view_transform.KEPT not in scene
+    assert not settings.use_white_balance and tags.VIEW not in scene
     scene.world.skylight.white_balanced = False
     bpy.ops.skylight.update()
     bpy.ops.skylight.neutral_white()
@@ -170,7 +169,7 @@ def test_light_beyond_the_white_balance_is_refused(scene, brick):
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     with pytest.raises(ValueError, match="beyond Blender's white balance"):
         view_transform.neutral(scene, [0.1, 0.2, 5.0])
-    assert not scene.view_settings.use_white_balance and view_transform.KEPT not in scene
+    assert not scene.view_settings.use_white_balance and tags.VIEW not in scene
 
 
 @pytest.mark.slow

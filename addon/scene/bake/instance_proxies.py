@@ -17,10 +17,9 @@ from mathutils import Matrix
 from ....node_groups import modifiers, sky_instance
 from ....node_groups import tree as groups
 from ....node_groups.drivers import drive
-from ..lights import light_linking
+from ... import tags
 from . import storage
 
-KEY = "spectral_skylight_rest"  # on a collection of ours: the full name of what it stands for
 SHAPES = {"MESH", "CURVE", "SURFACE", "FONT"}
 FLAGS = ("camera", "diffuse", "glossy", "transmission", "volume_scatter", "shadow")
 
@@ -30,12 +29,12 @@ Place = tuple[bpy.types.Object, Matrix]
 
 def instances_of(obj: bpy.types.Object) -> bpy.types.Collection | None:
     """The collection that an object instances, as the user gave it; None for any other object."""
-    if obj.instance_type != "COLLECTION" or obj.instance_collection is None or KEY in obj:
+    if obj.instance_type != "COLLECTION" or obj.instance_collection is None or tags.REST in obj:
         return None
-    if KEY not in obj.instance_collection:
+    if tags.REST not in obj.instance_collection:
         return obj.instance_collection
     found = (modifiers.get_input(modifier_of(child), "Collection") for child in stand_ins(obj))
-    name = obj.instance_collection[KEY]
+    name = obj.instance_collection[tags.REST]
     return next(found, None) or next((c for c in bpy.data.collections if c.name_full == name), None)
 
 
@@ -81,9 +80,9 @@ def spread(obj: bpy.types.Object, wanted: Wanted) -> list[bpy.types.Object]:
 def gather(obj: bpy.types.Object) -> None:
     """Give an Empty its own collection back, and take away what stood in for it."""
     collection = instances_of(obj)
-    if collection is None or KEY not in obj.instance_collection:
+    if collection is None or tags.REST not in obj.instance_collection:
         return
-    others = [child for child in obj.children_recursive if KEY in child]
+    others = [child for child in obj.children_recursive if tags.REST in child]
     for child in [*stand_ins(obj), *others]:
         storage.remove(child)
         rest, mesh = child.instance_collection, child.data
@@ -138,7 +137,7 @@ def _spread(parent, root, collection, at, wanted, kept) -> None:
                 "COLLECTION",
                 source.empty_display_size,
             )
-            nested[KEY] = source.name_full
+            nested[tags.REST] = source.name_full
             _place(nested, root, at @ source.matrix_world)
             _spread(nested, root, inside, at @ source.matrix_world, wanted, kept)
         elif source.type in SHAPES and wanted(source):
@@ -169,7 +168,7 @@ def _stand_in(source, root, at, kept) -> None:
 def _place(obj, root, at) -> None:
     """Put an object under the root, which it follows in place and visibility."""
     for collection in root.users_collection:
-        if light_linking.KEY not in collection:
+        if tags.RECEIVERS not in collection:
             collection.objects.link(obj)
     obj.parent, obj.matrix_parent_inverse = root, at
     obj.hide_select = True
@@ -180,7 +179,7 @@ def _place(obj, root, at) -> None:
 def _rest(collection: bpy.types.Collection, wanted: Wanted) -> bpy.types.Collection:
     """A collection of ours that has all of another one but what is wanted."""
     rest = bpy.data.collections.new(f"{sky_instance.KIND} {collection.name}")
-    rest[KEY] = collection.name_full
+    rest[tags.REST] = collection.name_full
     rest.instance_offset = collection.instance_offset
     rest.hide_render, rest.hide_viewport = collection.hide_render, collection.hide_viewport
     for obj in collection.objects:
@@ -195,7 +194,7 @@ def _rest(collection: bpy.types.Collection, wanted: Wanted) -> bpy.types.Collect
 
 def _forget(rest: bpy.types.Collection) -> None:
     """Take a collection of ours away, and its children, but where another Empty still has it."""
-    if KEY not in rest or any(obj.instance_collection == rest for obj in bpy.data.objects):
+    if tags.REST not in rest or any(obj.instance_collection == rest for obj in bpy.data.objects):
         return
     for child in list(rest.children):
         _forget(child)

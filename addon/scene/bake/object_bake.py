@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from ....node_groups import modifiers, sky_bake
 from ....node_groups import sky_visibility as names
+from ... import tags
 from ...sky.harmonics import KEYS
-from ..blend_data import nodes
 from . import raycast as casting
 from . import storage, visibility
 
@@ -43,7 +43,7 @@ PROBES[1, 3:5] = np.array([0.9, -0.9]) / 0.4886025119029199
 def is_managed(obj: bpy.types.Object) -> bool:
     """Whether an object, as it is or evaluated, has a managed material."""
     materials = (slot.material for slot in obj.material_slots)
-    return any(material is not None and nodes.MANAGED in material for material in materials)
+    return any(material is not None and tags.MATERIAL in material for material in materials)
 
 
 def bake_object(
@@ -196,7 +196,7 @@ def evaluated(obj: bpy.types.Object) -> storage.Fine | None:
     materials = [slot.material for slot in shown.material_slots] or [None]
     fine.slots = np.minimum(fine.slots, len(materials) - 1)
     fine.materials = [each.name_full if each else "" for each in materials]
-    managed = [each is not None and nodes.MANAGED in each for each in materials]
+    managed = [each is not None and tags.MATERIAL in each for each in materials]
     fine.managed = np.array(managed)[fine.slots]
     return fine
 

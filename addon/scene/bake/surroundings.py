@@ -8,9 +8,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ... import tags
 from . import raycast as casting
-
-SEEN = "spectral_skylight_seen"  # on a bake: what stood around when it was made, as JSON
 
 FAR = 0.02
 """What is smaller, as seen from an object, than this (radius by distance) does not count: it hides
@@ -48,7 +47,9 @@ def signatures(around: casting.Occluders) -> dict[str, NDArray[np.float64]]:
 
 def remember(bake: bpy.types.Object, name: str, found: dict[str, NDArray]) -> None:
     """Keep with the bake of an object what of `signatures` counts for it."""
-    bake[SEEN] = json.dumps({key: row.tolist() for key, row in _near(name, found).items()})
+    bake[tags.SURROUNDINGS] = json.dumps(
+        {key: row.tolist() for key, row in _near(name, found).items()}
+    )
 
 
 def changed(bake: bpy.types.Object, name: str, found: dict[str, NDArray], size: float) -> bool:
@@ -56,9 +57,9 @@ def changed(bake: bpy.types.Object, name: str, found: dict[str, NDArray], size: 
 
     `size`: the scene's.
     """
-    if SEEN not in bake:
+    if tags.SURROUNDINGS not in bake:
         return True
-    before, now = json.loads(bake[SEEN]), _near(name, found)
+    before, now = json.loads(bake[tags.SURROUNDINGS]), _near(name, found)
     if before.keys() != now.keys():
         return True
     unit = np.array([size**2, *[size] * 3, *[size**2] * 6, *[size] * 4])

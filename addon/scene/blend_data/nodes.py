@@ -6,8 +6,6 @@ from collections.abc import Iterator
 
 import bpy
 
-MANAGED = "spectral_skylight"  # on a material: what it was given
-
 
 def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
     """What feeds an input, seen through reroutes and muted nodes; None if nothing does."""

@@ -11,9 +11,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from ..blend_data import nodes
-
-KEY = "spectral_skylight_receivers"
+from ... import tags
 
 _NO_DIFFUSE = {"BSDF_TRANSPARENT", "BSDF_REFRACTION", "BSDF_GLASS", "BSDF_GLOSSY", "BSDF_METALLIC"}
 _NO_DIFFUSE |= {"BSDF_ANISOTROPIC", "EMISSION", "HOLDOUT", "MIX_SHADER", "ADD_SHADER"}
@@ -26,7 +24,7 @@ _SOLID = {"MESH", "CURVE", "SURFACE", "META", "FONT", "CURVES", "POINTCLOUD", "V
 def find(scene: bpy.types.Scene) -> bpy.types.Collection | None:
     """The collection of a scene's receivers, None before it has one."""
     linked = (obj.light_linking.receiver_collection for obj in scene.objects if obj.type == "LIGHT")
-    return next((c for c in linked if c is not None and KEY in c), None)
+    return next((c for c in linked if c is not None and tags.RECEIVERS in c), None)
 
 
 def ensure(scene: bpy.types.Scene) -> bpy.types.Collection:
@@ -34,7 +32,7 @@ def ensure(scene: bpy.types.Scene) -> bpy.types.Collection:
     collection = shared = find(scene)
     if collection is None or _is_anothers(collection, scene):
         collection = bpy.data.collections.new("Skylight Receivers")
-        collection[KEY] = True
+        collection[tags.RECEIVERS] = True
         for lamp in _lamps(scene, shared) if shared is not None else ():
             lamp.light_linking.receiver_collection = collection
     wanted = {obj for obj, parts in _shown(scene).items() if _receives(parts)}
@@ -90,7 +88,7 @@ def _receives(parts: set[bpy.types.Object]) -> bool:
 
 
 def _is_managed(material: bpy.types.Material | None) -> bool:
-    return material is not None and nodes.MANAGED in material
+    return material is not None and tags.MATERIAL in material
 
 
 def _has_managed(obj: bpy.types.Object) -> bool:

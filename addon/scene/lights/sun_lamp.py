@@ -18,11 +18,10 @@ from numpy.typing import NDArray
 
 from ....node_groups import light_probe
 from ....node_groups.drivers import drive
+from ... import tags
 from ..world import hdri as worlds
 from . import light_linking
 
-KEY = "spectral_skylight_lamp"  # on our lamps and what holds them: which part they play
-THRESHOLD = "spectral_skylight_sun_threshold"  # on the World: its own settings
 SUN, TURN = "sun", "turn"
 FAINT = 1e-5  # a lamp's other channels: Cycles makes white of them, the other probes see nothing
 
@@ -58,7 +57,7 @@ def place(
 
 def find(scene: bpy.types.Scene, part: str) -> bpy.types.Object | None:
     """The one object of ours that plays a part in a scene, None without."""
-    return next((obj for obj in scene.objects if obj.get(KEY) == part), None)
+    return next((obj for obj in scene.objects if obj.get(tags.LAMP) == part), None)
 
 
 def pivot(scene: bpy.types.Scene) -> bpy.types.Object:
@@ -66,7 +65,7 @@ def pivot(scene: bpy.types.Scene) -> bpy.types.Object:
     turn = find(scene, TURN)
     if turn is None:
         turn = bpy.data.objects.new("Skylight Turn", None)
-        turn[KEY] = TURN
+        turn[tags.LAMP] = TURN
         turn.hide_select = True
         collection(scene).objects.link(turn)
     _turn_with(turn, scene.world, worlds.sky_of(scene.world))
@@ -76,10 +75,10 @@ def pivot(scene: bpy.types.Scene) -> bpy.types.Object:
 def collection(scene: bpy.types.Scene) -> bpy.types.Collection:
     """The collection of a scene that holds our lamps, made if need be."""
     for child in scene.collection.children:
-        if child.get(KEY):
+        if child.get(tags.LAMP):
             return child
     made = bpy.data.collections.new("Skylight Lamps")
-    made[KEY] = "collection"
+    made[tags.LAMP] = "collection"
     scene.collection.children.link(made)
     return made
 
@@ -100,7 +99,7 @@ def new_lamp(
     light.specular_factor = light.transmission_factor = light.volume_factor = 0.0
     light.exposure = 0.0
     lamp = bpy.data.objects.new(name, light)
-    lamp[KEY] = part
+    lamp[tags.LAMP] = part
     lamp.light_linking.receiver_collection = light_linking.ensure(scene)
     lamp.hide_select = True
     # Cycles knows no specular factor: there it is the World that shines in gloss.
@@ -130,7 +129,7 @@ def set_cycles_colour(lamp: bpy.types.Object, rgb: NDArray[np.float64], channel:
 
 def remove(scene: bpy.types.Scene, parts: Container[str]) -> None:
     """Take our objects of these parts out of a scene; without a sun its World has its settings."""
-    gone = [obj for obj in scene.objects if obj.get(KEY) in parts]
+    gone = [obj for obj in scene.objects if obj.get(tags.LAMP) in parts]
     turn = find(scene, TURN)
     if turn is not None and set(turn.children) <= set(gone):
         gone = [*(obj for obj in gone if obj != turn), turn]
@@ -139,7 +138,7 @@ def remove(scene: bpy.types.Scene, parts: Container[str]) -> None:
     bpy.data.batch_remove(gone)
     bpy.data.batch_remove([light for light in lights if light.users == 0])
     for child in list(scene.collection.children):
-        if child.get(KEY) and not child.objects:
+        if child.get(tags.LAMP) and not child.objects:
             bpy.data.collections.remove(child)
     if linked is not None and all(light_linking.find(each) != linked for each in bpy.data.scenes):
         bpy.data.collections.remove(linked)
@@ -149,15 +148,15 @@ def remove(scene: bpy.types.Scene, parts: Container[str]) -> None:
 
 def release_threshold(world: bpy.types.World | None) -> None:
     """Give a World its own threshold for suns back."""
-    if world is not None and THRESHOLD in world:
-        world.sun_threshold, shadow = world[THRESHOLD]
+    if world is not None and tags.SUN_THRESHOLD in world:
+        world.sun_threshold, shadow = world[tags.SUN_THRESHOLD]
         world.use_sun_shadow = bool(shadow)
-        del world[THRESHOLD]
+        del world[tags.SUN_THRESHOLD]
 
 
 def _own_threshold(world: bpy.types.World, brightest_sky: float) -> None:
-    if THRESHOLD not in world:
-        world[THRESHOLD] = [world.sun_threshold, float(world.use_sun_shadow)]
+    if tags.SUN_THRESHOLD not in world:
+        world[tags.SUN_THRESHOLD] = [world.sun_threshold, float(world.use_sun_shadow)]
     world.sun_threshold = brightest_sky
     world.use_sun_shadow = True
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ....node_groups import light_probe
 from ....node_groups.drivers import drive
+from ... import tags
 from ...sky.panorama import LUMINANCE
 from ...spectra.working_spaces import rec709_to_working
 from ...transfer.lamps import Classes, classes, lamp_spectrum
@@ -21,10 +22,20 @@ from ...transfer.matrices import Transfer
 from ...transfer.prefilter import balanced_rgb
 from . import sun_lamp
 
-SPECTRUM = "spectral_skylight_spectrum"
-"""On a lamp's data: what `transfer.lamps.lamp_spectrum` understands; without it, its colour."""
-
 TWIN = "twin"
+
+
+def spectrum_of(light: bpy.types.Light) -> str:
+    """What a lamp's spectrum is, as `transfer.lamps.lamp_spectrum` understands it; empty: color."""
+    return light.get(tags.LAMP_SPECTRUM, "")
+
+
+def set_spectrum(light: bpy.types.Light, spectrum: str) -> None:
+    """Give a lamp a spectrum, or with an empty one let its color tell it again."""
+    if spectrum.strip():
+        light[tags.LAMP_SPECTRUM] = spectrum.strip()
+    elif tags.LAMP_SPECTRUM in light:
+        del light[tags.LAMP_SPECTRUM]
 
 
 @dataclass(frozen=True)
@@ -46,7 +57,7 @@ def find(scene: bpy.types.Scene, transfer: Transfer, rho: NDArray[np.float64]) -
     shown = [
         obj
         for obj in scene.objects
-        if obj.type == "LIGHT" and sun_lamp.KEY not in obj and not obj.hide_render
+        if obj.type == "LIGHT" and tags.LAMP not in obj and not obj.hide_render
         if obj.data.energy > 0.0
     ]
     if not shown:
@@ -54,7 +65,7 @@ def find(scene: bpy.types.Scene, transfer: Transfer, rho: NDArray[np.float64]) -
     colours = np.array([_colour(obj.data) for obj in shown])
     spectra = []
     for obj, colour in zip(shown, colours, strict=True):
-        given = obj.data.get(SPECTRUM)
+        given = obj.data.get(tags.LAMP_SPECTRUM)
         spectra.append(lamp_spectrum(given or colour * transfer.neutral, transfer.space))
     strengths = np.array([obj.data.energy for obj in shown]) * _luminance(colours, transfer)
     names = tuple(obj.name for obj in shown)

@@ -12,24 +12,22 @@ from numpy.typing import NDArray
 
 from ....node_groups import spectral_matrix
 from ...spectra.working_spaces import rec709_to_working
+from ...transfer.assignment import Assignment, estimate
 from ...transfer.textures import basis, carried
 from ..blend_data import working_space
 from ..lights.lighting import Lights
 from . import shader_rewrite, spectral_material
 
-ESTIMATED = "estimated from the base colour"
-"""The name of a reflectance that nobody measured, wherever it appears."""
 
-
-def estimated(material: bpy.types.Material) -> NDArray[np.float64]:
-    """Return a reflectance (81,) of the colour that a material has without us, or its texture.
+def estimated(material: bpy.types.Material) -> Assignment:
+    """Return a reflectance of the color that a material has without us, or its texture.
 
     Mallett and Yuksel's (2019, DOI 10.2312/sr.20191216).
     """
     found = spectral_material.look_of(material)
     mean = mean_colour(found.colour)
     rgb = _plain_colour(found) if mean is None else mean
-    return np.clip(rgb @ basis(working_space.name()), 0.0, 1.0)
+    return estimate(np.clip(rgb @ basis(working_space.name()), 0.0, 1.0))
 
 
 def source(material: bpy.types.Material) -> list[Any]:
@@ -52,20 +50,17 @@ def _plain_colour(found: shader_rewrite.Look) -> NDArray[np.float64]:
     return np.array(found.rgb, dtype=float)
 
 
-def varied(
-    material: bpy.types.Material, name: str, rho: NDArray[np.float64]
-) -> NDArray[np.float64] | None:
+def varied(material: bpy.types.Material, given: Assignment) -> NDArray[np.float64] | None:
     """Return what red, green and blue of a material's texture reflect, (3, 81); None without one.
 
-    A texture of an `ESTIMATED` reflectance is all that there is; that of a measured one (81,)
-    varies it.
+    A texture of an estimated reflectance is all that there is; that of a measured one varies it.
     """
     space = working_space.name()
     colour = spectral_material.look_of(material).colour
-    if name == ESTIMATED:
+    if given.estimated:
         return None if colour is None else basis(space)
     mean = mean_colour(colour)
-    return None if mean is None else carried(rho, mean, space)
+    return None if mean is None else carried(given.values, mean, space)
 
 
 def values(lights: Lights, reflectances: NDArray[np.float64]) -> Mapping[str, Any]:

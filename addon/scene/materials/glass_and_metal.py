@@ -14,27 +14,23 @@ from numpy.typing import NDArray
 
 from ....node_groups import glazing, gloss
 from ....node_groups import tree as groups
+from ... import tags
 from ...errors import InputError
 from ...sky.light import SkyLight
 from ...spectra.illuminants import D65
+from ...transfer.assignment import Assignment
 from ...transfer.matrices import Transfer
 from ...transfer.metals import tints
 from ...transfer.prefilter import prefiltered
 from ..blend_data import drivers, nodes
-from ..lights import sun_lamp
 from . import rgb_comparison, saved_settings, shader_rewrite, spectral_material
 
-PANES = "spectral_skylight_panes"  # on the collection that lamps pass through
 
+def glaze(material: bpy.types.Material, pane: Assignment) -> None:
+    """Make a material glass; its color comes by `refresh`.
 
-def glaze(
-    material: bpy.types.Material, name: str, transmittance: NDArray[np.float64], faces: int = 1
-) -> None:
-    """Make a material glass of a transmittance (81,) as measured; its colour comes by `refresh`.
-
-    ``faces``: 1 where a pane is a single face, 2 where it is a closed block. Roughness and relief
-    of the old shader stay on what is mirrored. `spectral_material.remove` takes it off again.
-    Raises InputError for a linked or overridden material.
+    Roughness and relief of the old shader stay on what is mirrored. `spectral_material.remove`
+    takes it off again. Raises InputError for a linked or overridden material.
     """
     spectral_material.check_editable(material)
     node = pane_node(material)
@@ -44,43 +40,48 @@ def glaze(
         tree = material.node_tree
         before = nodes.source(outputs[0].inputs["Surface"])
         node = groups.add(tree, "ShaderNodeGroup", node_tree=glazing.ensure(), label=glazing.KIND)
-        node[shader_rewrite.OURS] = "glass"
+        node[tags.NODE] = "glass"
         node.location = outputs[0].location.x - 40, outputs[0].location.y + 260
         for key in ("Roughness", "Normal"):
             if before is not None and key in before.node.inputs:
                 drivers.take(material, before.node.inputs[key], node.inputs[key])
         for output in outputs:
             tree.links.new(node.outputs[0], output.inputs["Surface"])
-    node.inputs["Faces"].default_value = float(faces)
+    node.inputs["Faces"].default_value = float(pane.faces)
     saved_settings.own(material, saved_settings.GLASS)
-    material[nodes.MANAGED] = {
-        **material[nodes.MANAGED].to_dict(),
+    material[tags.MATERIAL] = {
+        **material[tags.MATERIAL].to_dict(),
         "id": glazing.KIND,
-        "reflectance": name,
-        "values": np.asarray(transmittance, dtype=float).tolist(),
+        "reflectance": pane.name,
+        "values": pane.values.tolist(),
+        "unit": pane.unit,
+        "file": pane.source,
     }
 
 
 def pane_node(material: bpy.types.Material | None) -> bpy.types.Node | None:
     """The `Spectral Glazing` node of a material that is glass of ours, None for another."""
-    if material is None or nodes.MANAGED not in material or material.node_tree is None:
+    if material is None or tags.MATERIAL not in material or material.node_tree is None:
         return None
-    return next(
-        (n for n in material.node_tree.nodes if n.get(shader_rewrite.OURS) == "glass"), None
-    )
+    return next((n for n in material.node_tree.nodes if n.get(tags.NODE) == "glass"), None)
 
 
-def pane_of(material: bpy.types.Material) -> tuple[str, NDArray[np.float64], None, int]:
-    """What `glaze` made a material of: name, transmittance (81,), no metal, and faces."""
-    node, record = pane_node(material), material[nodes.MANAGED]
+def pane_of(material: bpy.types.Material) -> Assignment:
+    """What `glaze` made a material of."""
+    node, record = pane_node(material), material[tags.MATERIAL]
     assert node is not None
-    faces = round(node.inputs["Faces"].default_value)
-    return record["reflectance"], np.array(record["values"]), None, faces
+    return Assignment(
+        record["reflectance"],
+        np.array(record["values"]),
+        faces=round(node.inputs["Faces"].default_value),
+        unit=record.get("unit", ""),
+        source=record.get("file", ""),
+    )
 
 
 def keep_metal(material: bpy.types.Material, n: Iterable[float], k: Iterable[float]) -> None:
     """Keep with a managed material the n and k, (81,) each, that its metal has."""
-    material[saved_settings.METAL] = [*map(float, n), *map(float, k)]
+    material[tags.METAL] = [*map(float, n), *map(float, k)]
 
 
 def check_metal(material: bpy.types.Material) -> None:
@@ -93,9 +94,9 @@ def check_metal(material: bpy.types.Material) -> None:
 
 def metal_of(material: bpy.types.Material) -> tuple[NDArray, NDArray] | None:
     """What `keep_metal` kept, None without."""
-    if saved_settings.METAL not in material:
+    if tags.METAL not in material:
         return None
-    n, k = np.array(material[saved_settings.METAL]).reshape(2, 81)
+    n, k = np.array(material[tags.METAL]).reshape(2, 81)
     return n, k
 
 
@@ -108,7 +109,7 @@ def refresh(scenes: Iterable[bpy.types.Scene], light: SkyLight, transfer: Transf
             plain = zip(gloss.METAL_COLOURS, tints(*metal, D65(), transfer.space), strict=True)
             rgb_comparison.keep(material, {("gloss", name): (*rgb, 1.0) for name, rgb in plain})
         elif (node := pane_node(material)) is not None:
-            tau = np.array(material[nodes.MANAGED]["values"])
+            tau = np.array(material[tags.MATERIAL]["values"])
             tint, plain_tint = (
                 (*np.clip(prefiltered(tau, spectrum, transfer.space), 0.0, 1.0).tolist(), 1.0)
                 for spectrum in (sky, D65())
@@ -120,8 +121,8 @@ def refresh(scenes: Iterable[bpy.types.Scene], light: SkyLight, transfer: Transf
 
 def pass_through(scene: bpy.types.Scene) -> list[str]:
     """Let our lamps in a scene shine through its panes, up to date; return warnings."""
-    lamps = [obj for obj in scene.objects if obj.type == "LIGHT" and sun_lamp.KEY in obj]
-    held = next((c for c in bpy.data.collections if c.get(PANES) == scene.name), None)
+    lamps = [obj for obj in scene.objects if obj.type == "LIGHT" and tags.LAMP in obj]
+    held = next((c for c in bpy.data.collections if c.get(tags.PANES) == scene.name), None)
     glass, parts = [], []
     for obj in scene.objects:
         panes = [pane_node(slot.material) is not None for slot in obj.material_slots]
@@ -131,7 +132,7 @@ def pass_through(scene: bpy.types.Scene) -> list[str]:
         bpy.data.collections.remove(held)
     if glass and lamps:
         held = bpy.data.collections.new("Skylight Panes")
-        held[PANES] = scene.name
+        held[tags.PANES] = scene.name
         for obj in glass:
             held.objects.link(obj)
         for entry in held.collection_objects:

@@ -16,11 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....node_groups import skylight_surface, spectral_matrix
+from ... import tags
 from ...transfer.prediction import rgb_albedo
-from ..blend_data import nodes
 from ..lights.lighting import Lights
-from .saved_settings import BEFORE, OTHER
-from .shader_rewrite import OURS
 
 Values = Mapping[tuple[str, str], Any]
 """By a node's role and an input's name, the value (3 or 4)."""
@@ -55,10 +53,10 @@ def texture(found: Lights, reflectances: NDArray[np.float64]) -> Values:
 
 def keep(material: bpy.types.Material, values: Values) -> None:
     """Keep with a material the values that RGB times RGB gives; others that were kept stay."""
-    kept = json.loads(material.get(OTHER, "{}"))
+    kept = json.loads(material.get(tags.COMPARISON, "{}"))
     for (role, name), value in values.items():
         kept[f"{role}/{name}"] = [float(part) for part in value]
-    material[OTHER] = json.dumps(kept)
+    material[tags.COMPARISON] = json.dumps(kept)
 
 
 def show(rgb: bool) -> int:
@@ -66,7 +64,11 @@ def show(rgb: bool) -> int:
 
     Linked materials stay as they are.
     """
-    found = [m for m in bpy.data.materials if OTHER in m and (BEFORE in m) != rgb and m.is_editable]
+    found = [
+        m
+        for m in bpy.data.materials
+        if tags.COMPARISON in m and (tags.SHOWS_RGB in m) != rgb and m.is_editable
+    ]
     for material in found:
         _swap(material)
     return len(found)
@@ -74,7 +76,7 @@ def show(rgb: bool) -> int:
 
 def shown_now() -> list[bpy.types.Material]:
     """The materials of the file that show RGB times RGB now."""
-    return [material for material in bpy.data.materials if BEFORE in material]
+    return [material for material in bpy.data.materials if tags.SHOWS_RGB in material]
 
 
 def matrices(
@@ -84,32 +86,32 @@ def matrices(
 
     The second is None where an earlier version made the material.
     """
-    kept = json.loads(material.get(OTHER, "{}"))
+    kept = json.loads(material.get(tags.COMPARISON, "{}"))
     rows = [kept.get(f"surface/{row}") for row in spectral_matrix.ROWS]
     if not all(rows):
         return shown, None
-    return (rows, shown) if BEFORE in material else (shown, rows)
+    return (rows, shown) if tags.SHOWS_RGB in material else (shown, rows)
 
 
 def _swap(material: bpy.types.Material) -> None:
-    kept = json.loads(material[OTHER])
+    kept = json.loads(material[tags.COMPARISON])
     for role, socket in _sockets(material):
         key = f"{role}/{socket.name}"
         if key in kept:
             now = list(socket.default_value)
             socket.default_value = kept[key]
             kept[key] = now
-    material[OTHER] = json.dumps(kept)
-    if BEFORE in material:
-        del material[BEFORE]
+    material[tags.COMPARISON] = json.dumps(kept)
+    if tags.SHOWS_RGB in material:
+        del material[tags.SHOWS_RGB]
     else:
-        material[BEFORE] = True
+        material[tags.SHOWS_RGB] = True
 
 
 def _sockets(material: bpy.types.Material) -> Iterator[tuple[str, bpy.types.NodeSocket]]:
-    for node in material.node_tree.nodes if nodes.MANAGED in material else ():
-        for socket in node.inputs if OURS in node else ():
-            yield node[OURS], socket
+    for node in material.node_tree.nodes if tags.MATERIAL in material else ():
+        for socket in node.inputs if tags.NODE in node else ():
+            yield node[tags.NODE], socket
 
 
 def _rows(rgb: NDArray[np.float64], found: Lights) -> dict[str, Sequence[float]]:

@@ -11,12 +11,9 @@ from typing import Any
 
 import bpy
 
-KEPT = "spectral_skylight_kept"  # on the material: what its settings were
+from ... import tags
+
 UNSET = ""  # it was Blender's default
-METAL = "spectral_skylight_metal"  # on the material: n and k of its metal
-COLOUR = "spectral_skylight_colour"  # on the material: its viewport colour before us, and ours
-OTHER = "spectral_skylight_other"  # on the material: values that do not show now, see `before`
-BEFORE = "spectral_skylight_before"  # on one that shows RGB times RGB now
 SURFACE = {"cycles.emission_sampling": "NONE"}
 """What a managed material needs."""
 GLASS = {"surface_render_method": "BLENDED", "use_transparent_shadow": True}
@@ -25,24 +22,24 @@ GLASS = {"surface_render_method": "BLENDED", "use_transparent_shadow": True}
 
 def own(material: bpy.types.Material, settings: dict[str, Any] = SURFACE) -> None:
     """Set a material's settings and keep what was there before, once."""
-    kept = dict(material.get(KEPT, {}))
+    kept = dict(material.get(tags.MATERIAL_SETTINGS, {}))
     for path, owner, name in _found(material, settings):
         kept.setdefault(path, getattr(owner, name) if owner.is_property_set(name) else UNSET)
         setattr(owner, name, settings[path])
-    material[KEPT] = kept
+    material[tags.MATERIAL_SETTINGS] = kept
 
 
 def show_colour(material: bpy.types.Material, rgb: Iterable[float]) -> None:
     """Give a material another viewport colour, RGB, which Solid mode shows."""
     before = viewport_colour(material)
     material.diffuse_color = (*rgb, before[3])
-    material[COLOUR] = [*before, *material.diffuse_color]
+    material[tags.VIEWPORT_COLOR] = [*before, *material.diffuse_color]
 
 
 def viewport_colour(material: bpy.types.Material) -> tuple[float, float, float, float]:
     """The viewport colour, RGBA, that a material has of its own: a user's since, or that before."""
     now = tuple(material.diffuse_color)
-    kept = tuple(material.get(COLOUR, ()))
+    kept = tuple(material.get(tags.VIEWPORT_COLOR, ()))
     return kept[:4] if kept[4:] == now else now  # type: ignore[return-value]
 
 
@@ -51,14 +48,20 @@ def give_back(material: bpy.types.Material) -> None:
 
     What else we keep on a material leaves with that.
     """
-    kept = dict(material.get(KEPT, {}))
+    kept = dict(material.get(tags.MATERIAL_SETTINGS, {}))
     for path, owner, name in _found(material, kept):
         if getattr(owner, name) == {**SURFACE, **GLASS}[path]:
             owner.property_unset(name)
             if kept[path] != UNSET:
                 setattr(owner, name, kept[path])
     material.diffuse_color = viewport_colour(material)
-    for key in (KEPT, METAL, COLOUR, OTHER, BEFORE):
+    for key in (
+        tags.MATERIAL_SETTINGS,
+        tags.METAL,
+        tags.VIEWPORT_COLOR,
+        tags.COMPARISON,
+        tags.SHOWS_RGB,
+    ):
         if key in material:
             del material[key]
 

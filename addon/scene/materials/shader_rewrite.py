@@ -18,10 +18,8 @@ from bpy.types import NodeSocket as Socket
 
 from ....node_groups import gloss, spectral_texture
 from ....node_groups import tree as groups
+from ... import tags
 from ..blend_data import drivers, nodes
-
-OURS = "spectral_skylight_node"  # on the nodes that we added: what they are
-TOP = "spectral_skylight_top"  # on those that show: for which of the surface's outputs
 
 MATT = "matt"
 MIXES = {"MIX_SHADER": (1, 2), "ADD_SHADER": (0, 1)}
@@ -159,7 +157,9 @@ def dress(
         top = rebuilt(look.shader, name)
         assert top is not None
         if top.node != surface:
-            top.node[TOP] = " ".join(filter(None, (top.node.get(TOP), name)))
+            top.node[tags.NODE_OUTPUT] = " ".join(
+                filter(None, (top.node.get(tags.NODE_OUTPUT), name))
+            )
     return tops(tree, surface)
 
 
@@ -167,14 +167,14 @@ def tops(tree: bpy.types.NodeTree, surface: Node) -> dict[str, Socket]:
     """What of a dressed surface is plugged into the outputs: a socket for "Shader" and "Cycles"."""
     found = {name: surface.outputs[name] for name in gloss.OUTPUTS}
     for node in tree.nodes:
-        for name in node.get(TOP, "").split():
+        for name in node.get(tags.NODE_OUTPUT, "").split():
             found[name] = node.outputs.get(name) or node.outputs[0]
     return found
 
 
 def texture_node(material: bpy.types.Material) -> Node | None:
     """The `Spectral Texture` node that `dress` made, None without."""
-    return next((n for n in material.node_tree.nodes if n.get(OURS) == "texture"), None)
+    return next((n for n in material.node_tree.nodes if n.get(tags.NODE) == "texture"), None)
 
 
 def set_metal(material: bpy.types.Material, facing: Sequence[float], edge: Sequence[float]) -> bool:
@@ -182,7 +182,7 @@ def set_metal(material: bpy.types.Material, facing: Sequence[float], edge: Seque
 
     A texture that fed it is unplugged. False if the material shows no metal.
     """
-    found = [n for n in material.node_tree.nodes if n.get(OURS) == "gloss"]
+    found = [n for n in material.node_tree.nodes if n.get(tags.NODE) == "gloss"]
     found = [n for n in found if "Metal Color" in n.inputs]
     for node in found:
         for name, rgb in zip(gloss.METAL_COLOURS, (facing, edge), strict=True):
@@ -311,5 +311,5 @@ def _opaque_as(take, shader: Socket | None, alpha: Socket) -> None:
 
 def _add(tree: bpy.types.NodeTree, kind: str, role: str, **settings) -> Node:
     node = groups.add(tree, kind, **settings)
-    node[OURS] = role
+    node[tags.NODE] = role
     return node

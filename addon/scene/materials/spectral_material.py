@@ -7,9 +7,8 @@ saving and undo. A copy of a managed material is managed too, on its own.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import bpy
@@ -18,78 +17,89 @@ from numpy.typing import NDArray
 
 from ....node_groups import skylight_surface, spectral_matrix, spectral_texture
 from ....node_groups import tree as groups
+from ... import tags
 from ...errors import InputError
 from ..blend_data import nodes
 from ..lights import lighting
 from ..world import light_group
 from . import saved_settings, shader_rewrite
-from .shader_rewrite import OURS
-
-OUTPUT = "spectral_skylight_output"  # on an output: the number under which …
-SOURCE = "spectral_skylight_source"  # … the node that fed it remembers its socket
+from .record import Details, MaterialRecord
 
 ENGINES = ("EEVEE", "CYCLES")
 
 
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """What a material's shader is to show, and what is kept of it.
+
+    ``matrix`` (3, 3): of the working space; ``reflected``: what it reflects of
+    `skylight_surface.LIGHTS`, RGB each; ``name``, ``hash`` and ``details``: of its reflectance, for
+    the record; ``gloss``: its gloss and metal stay too; ``textured``: the texture of its base color
+    makes its reflectance, by what `set_texture` is told.
+    """
+
+    matrix: NDArray[np.float64]
+    name: str = ""
+    hash: str = ""
+    details: Details = field(default_factory=Details)
+    reflected: Mapping[str, Sequence[float]] = field(default_factory=dict)
+    gloss: bool = False
+    textured: bool = False
+
+
 @dataclass(frozen=True)
 class Managed:
-    """What a managed material was given."""
+    """What a managed material was given, its matrix as its nodes hold it, and its World."""
 
-    reflectance_name: str
-    reflectance_hash: str
-    version: int
-    extra: dict[str, Any]
+    record: MaterialRecord
     matrix: list[list[float]]
     world: bpy.types.World | None
+
+    @property
+    def details(self) -> Details:
+        """What its record holds beside names."""
+        return self.record.details
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """Its reflectance, (81,); empty in files of the first version."""
+        return np.array(self.details.values)
 
 
 def apply(
     material: bpy.types.Material,
     world: bpy.types.World,
-    matrix,
-    *,
-    reflectance_name: str,
-    reflectance_hash: str,
-    extra: dict[str, Any] | None = None,
-    reflected: Mapping[str, Sequence[float]] | None = None,
-    gloss: bool = False,
-    textured: bool = False,
+    surface: Surface,
     group: bpy.types.NodeTree | None = None,
 ) -> None:
-    """Light a material by the sky of a World through its matrix (3, 3); twice is once.
+    """Light a material by the sky of a World; twice is once.
 
-    Its Normal and Alpha stay what the replaced shader had. `extra` is kept with the material
-    (anything that JSON can hold). ``reflected``: what it reflects of `skylight_surface.LIGHTS`, RGB
-    each. ``gloss``: its gloss and metal stay too; ``textured``: the texture of its base colour
-    makes its reflectance, by what `set_texture` is told. ``group``: the World's, just ensured, for
-    many materials. Raises InputError for a linked or overridden material and where `hdri.sky_of`
-    does; the material is untouched then.
+    Its Normal and Alpha stay what the replaced shader had. ``group``: the World's, just ensured,
+    for many materials. Raises InputError for a linked or overridden material and where
+    `hdri.sky_of` does; the material is untouched then.
     """
     check_editable(material)
     group = group or light_group.ensure(world)
     node = _surface_node(material)
-    kept = material.get(nodes.MANAGED, {})
+    kept = material.get(tags.MATERIAL, {})
     shown = shader_rewrite.tops(material.node_tree, node).values() if node is not None else ()
     unplugged = node is not None and not any(socket.is_linked for socket in shown)
-    other = (kept.get("gloss", False), kept.get("textured", False)) != (gloss, textured)
-    if node is None or unplugged or other:
+    wanted = surface.gloss, surface.textured
+    if node is None or unplugged or (kept.get("gloss"), kept.get("textured")) != wanted:
         remove(material, stays=group)
-        node = _take_over(material, group, gloss, textured)
+        node = _take_over(material, group, *wanted)
     groups.show(node, group)
-    _set(node, matrix, reflected)
+    _set(node, surface.matrix, surface.reflected)
     _tell_engines_apart(material.node_tree, node)
     saved_settings.own(material)
-    kept = material.get(nodes.MANAGED, {})
-    material[nodes.MANAGED] = {
-        "id": skylight_surface.KIND,
-        "version": skylight_surface.VERSION,
-        "reflectance": reflectance_name,
-        "reflectance_hash": reflectance_hash,
-        "extra": json.dumps(extra or {}),  # custom properties hold no nested lists
-        "without_nodes": kept.get("without_nodes", False),
-        "gloss": gloss,
-        "textured": textured,
-    }
+    MaterialRecord(
+        surface.name,
+        surface.hash,
+        surface.details,
+        without_nodes=material.get(tags.MATERIAL, {}).get("without_nodes", False),
+        gloss=surface.gloss,
+        textured=surface.textured,
+    ).keep(material)
 
 
 def update(
@@ -124,13 +134,13 @@ def outputs_of(material: bpy.types.Material) -> list[bpy.types.Node]:
     """The outputs that the engines showed before us; none of a material without nodes."""
     if material.node_tree is None or without_nodes(material):
         return []
-    return [node for node in _outputs(material.node_tree) if OURS not in node]
+    return [node for node in _outputs(material.node_tree) if tags.NODE not in node]
 
 
 def without_nodes(material: bpy.types.Material) -> bool:
     """Whether a material has no nodes but ours: Blender 4.5 shows its viewport colour then."""
-    if nodes.MANAGED in material:
-        return bool(material[nodes.MANAGED].get("without_nodes"))
+    if tags.MATERIAL in material:
+        return bool(material[tags.MATERIAL].get("without_nodes"))
     return bpy.app.version < (5, 0, 0) and not material.use_nodes
 
 
@@ -153,29 +163,29 @@ def remove(material: bpy.types.Material, stays: bpy.types.NodeTree | None = None
     An output that a user has plugged elsewhere since keeps that. The World's groups leave with the
     last material, all but one that ``stays``. Raises InputError for a linked or overridden one.
     """
-    if nodes.MANAGED not in material:
+    if tags.MATERIAL not in material:
         return
     check_editable(material)
     tree = material.node_tree
     node = _surface_node(material)
-    for output in [n for n in tree.nodes if OUTPUT in n]:
+    for output in [n for n in tree.nodes if tags.OUTPUT in n]:
         surface = output.inputs["Surface"]
-        number = str(output[OUTPUT])
+        number = str(output[tags.OUTPUT])
         lost = not surface.is_linked
-        if lost or OURS in surface.links[0].from_node:
+        if lost or tags.NODE in surface.links[0].from_node:
             for link in list(surface.links):
                 tree.links.remove(link)
             _plug_back(tree, surface, number)
-        del output[OUTPUT]
+        del output[tags.OUTPUT]
     group = node.node_tree if node else None
-    for added in [n for n in tree.nodes if OURS in n]:
+    for added in [n for n in tree.nodes if tags.NODE in n]:
         tree.nodes.remove(added)
-    for source in [n for n in tree.nodes if SOURCE in n]:
-        del source[SOURCE]
+    for source in [n for n in tree.nodes if tags.OUTPUT_SOURCE in n]:
+        del source[tags.OUTPUT_SOURCE]
     saved_settings.give_back(material)
-    if material[nodes.MANAGED].get("without_nodes"):
+    if material[tags.MATERIAL].get("without_nodes"):
         material.use_nodes = False  # Blender 4.5; its tree is then the one that Blender makes
-    del material[nodes.MANAGED]
+    del material[tags.MATERIAL]
     if group not in (None, stays) and group.users == 0:
         world = skylight_surface.world_of(group)
         if world is not None:
@@ -188,13 +198,13 @@ def remove(material: bpy.types.Material, stays: bpy.types.NodeTree | None = None
 def is_managed(material: bpy.types.Material | None) -> bool:
     """Whether a material has our surface (also a copy, and one that is linked from a library)."""
     return (
-        material is not None and nodes.MANAGED in material and _surface_node(material) is not None
+        material is not None and tags.MATERIAL in material and _surface_node(material) is not None
     )
 
 
 def ours() -> list[bpy.types.Material]:
     """All materials of the file that we changed: managed ones, and panes of glass."""
-    return [material for material in bpy.data.materials if nodes.MANAGED in material]
+    return [material for material in bpy.data.materials if tags.MATERIAL in material]
 
 
 def managed_materials(world: bpy.types.World | None = None) -> list[bpy.types.Material]:
@@ -209,26 +219,11 @@ def managed_materials(world: bpy.types.World | None = None) -> list[bpy.types.Ma
 
 def managed(material: bpy.types.Material) -> Managed | None:
     """What a material was given, None if it is not managed."""
-    node = _surface_node(material)
-    if nodes.MANAGED not in material or node is None:
+    record, node = MaterialRecord.of(material), _surface_node(material)
+    if record is None or node is None:
         return None
-    record = material[nodes.MANAGED].to_dict()
-    return Managed(
-        reflectance_name=record["reflectance"],
-        reflectance_hash=record["reflectance_hash"],
-        version=record["version"],
-        extra=json.loads(record["extra"]),
-        matrix=spectral_matrix.get_matrix(node),
-        world=skylight_surface.world_of(node.node_tree) if node.node_tree else None,
-    )
-
-
-def kept(material: bpy.types.Material) -> tuple[str, NDArray[np.float64]]:
-    """Return a managed material's reflectance, name and values (81,); InputError for another."""
-    record = managed(material)
-    if record is None:
-        raise InputError(f'material "{material.name}"', "has no reflectance yet", "apply one first")
-    return record.reflectance_name, np.array(record.extra["values"])
+    world = skylight_surface.world_of(node.node_tree) if node.node_tree else None
+    return Managed(record, spectral_matrix.get_matrix(node), world)
 
 
 def materials_of(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Material]:
@@ -250,7 +245,7 @@ def check_editable(material: bpy.types.Material) -> None:
         raise InputError(
             place, "is a library override", "make it local, or edit it in its own file"
         )
-    record = material.get(nodes.MANAGED, {})
+    record = material.get(tags.MATERIAL, {})
     if record.get("version", 0) > skylight_surface.VERSION:
         raise InputError(place, "was made by a newer version of this add-on", "update the add-on")
     if material.grease_pencil is not None:
@@ -265,7 +260,7 @@ def _set(node: bpy.types.Node, matrix, reflected: Mapping[str, Sequence[float]] 
 
 def _surface_node(material: bpy.types.Material) -> bpy.types.Node | None:
     tree = material.node_tree
-    found = (n for n in tree.nodes if n.get(OURS) == "surface") if tree else ()
+    found = (n for n in tree.nodes if n.get(tags.NODE) == "surface") if tree else ()
     return next((node for node in found if node.type == "GROUP"), None)
 
 
@@ -282,20 +277,20 @@ def remember(material: bpy.types.Material) -> list[bpy.types.Node]:
     """
     bare = without_nodes(material)
     nodes.use(material)
-    material[nodes.MANAGED] = {"without_nodes": bare}
+    material[tags.MATERIAL] = {"without_nodes": bare}
     tree = material.node_tree
     outputs = _outputs(tree)
     if not outputs:
         outputs = [groups.add(tree, "ShaderNodeOutputMaterial")]
-        outputs[0][OURS] = "output"
+        outputs[0][tags.NODE] = "output"
     for number, output in enumerate(outputs):
         surface = output.inputs["Surface"]
-        output[OUTPUT] = number
+        output[tags.OUTPUT] = number
         if surface.is_linked:
             link = surface.links[0]
-            memory = dict(link.from_node.get(SOURCE, {}))
+            memory = dict(link.from_node.get(tags.OUTPUT_SOURCE, {}))
             memory[str(number)] = [link.from_socket.identifier, str(int(link.is_muted))]
-            link.from_node[SOURCE] = memory
+            link.from_node[tags.OUTPUT_SOURCE] = memory
     return outputs
 
 
@@ -305,7 +300,7 @@ def _take_over(
     outputs = remember(material)
     tree = material.node_tree
     node = groups.add(tree, "ShaderNodeGroup", node_tree=group, name=group.name, label=group.name)
-    node[OURS] = "surface"
+    node[tags.NODE] = "surface"
     node.location = outputs[0].location.x - 40, outputs[0].location.y + 260
     before = shader_rewrite.read(nodes.source(outputs[0].inputs["Surface"]))
     shader_rewrite.dress(material, node, before, None if gloss else shader_rewrite.MATT, textured)
@@ -316,37 +311,37 @@ def _tell_engines_apart(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
     """Give Cycles an output of its own where the light probe, which only Eevee knows, is in use."""
     apart = skylight_surface.features_of(node.node_tree).probe
     outputs = _outputs(tree)
-    added = next((n for n in tree.nodes if n.get(OURS) == "Cycles"), None)
+    added = next((n for n in tree.nodes if n.get(tags.NODE) == "Cycles"), None)
     if not apart and added is not None:
         tree.nodes.remove(added)
     elif apart and added is None and len(outputs) == 1 and outputs[0].target == "ALL":
         added = groups.add(tree, "ShaderNodeOutputMaterial", target="CYCLES")
-        added[OURS] = "Cycles"
+        added[tags.NODE] = "Cycles"
         added.location = outputs[0].location.x, outputs[0].location.y + 160
         for name in ("Volume", "Displacement"):
             if (fed := outputs[0].inputs[name]).is_linked:
                 tree.links.new(fed.links[0].from_socket, added.inputs[name])
     for output in _outputs(tree):
-        if OUTPUT in output or OURS in output:
+        if tags.OUTPUT in output or tags.NODE in output:
             name = "Cycles" if output.target == "CYCLES" else "Shader"
             tree.links.new(shader_rewrite.tops(tree, node)[name], output.inputs["Surface"])
 
 
 def source_before(tree: bpy.types.NodeTree, output: bpy.types.Node) -> bpy.types.NodeSocket | None:
     """What feeds an output, or fed it before we did."""
-    number = str(output.get(OUTPUT))
+    number = str(output.get(tags.OUTPUT))
     for source in tree.nodes:
-        if number in source.get(SOURCE, {}):
-            identifier = source[SOURCE][number][0]
+        if number in source.get(tags.OUTPUT_SOURCE, {}):
+            identifier = source[tags.OUTPUT_SOURCE][number][0]
             return next((s for s in source.outputs if s.identifier == identifier), None)
     return nodes.source(output.inputs["Surface"])
 
 
 def _plug_back(tree: bpy.types.NodeTree, surface: bpy.types.NodeSocket, number: str) -> None:
     for source in tree.nodes:
-        if number not in source.get(SOURCE, {}):
+        if number not in source.get(tags.OUTPUT_SOURCE, {}):
             continue
-        identifier, muted = source[SOURCE][number]
+        identifier, muted = source[tags.OUTPUT_SOURCE][number]
         for socket in source.outputs:
             if socket.identifier == identifier:
                 tree.links.new(socket, surface).is_muted = muted == "1"

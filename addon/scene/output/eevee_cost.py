@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....node_groups.skylight_surface import Features
+from ... import tags
 from ...sky.dome import dome
 from ...sky.panorama import write_panorama
 from ..blend_data import nodes
@@ -76,7 +77,7 @@ def sample_costs(
     def seconds(material: bpy.types.Material, count: int) -> NDArray[np.float64]:
         shown.material_slots[0].material = material
         for lamp in (obj for obj in scene.objects if obj.type == "LIGHT"):
-            lamp.hide_render = lamp[sun_lamp.KEY] != lit_by.get(material.name)
+            lamp.hide_render = lamp[tags.LAMP] != lit_by.get(material.name)
         scene.eevee.taa_render_samples = count
         start = np.array([time.perf_counter(), time.process_time()])
         bpy.ops.render.render(scene=scene.name)
@@ -163,8 +164,6 @@ def _texture(image: bpy.types.Image) -> bpy.types.Material:
 def _ours(world: bpy.types.World, name: str, features: Features) -> bpy.types.Material:
     material = bpy.data.materials.new(name)
     light_group.ensure(world, features)
-    spectral_material.apply(
-        material, world, 0.5 * np.eye(3), reflectance_name="", reflectance_hash=""
-    )
+    spectral_material.apply(material, world, spectral_material.Surface(0.5 * np.eye(3)))
     light_group.set_coefficients(world, np.full((49, 3), 0.02))
     return material

@@ -10,10 +10,9 @@ import bpy
 import numpy as np
 
 from ....node_groups import light_probe, sky_irradiance, skylight_surface
+from ... import tags
 from ...errors import InputError
 from . import hdri as worlds
-
-DESCRIPTION = "spectral_skylight_description"  # JSON, for custom properties hold no nested lists
 
 
 def ensure(
@@ -92,13 +91,13 @@ def describe(world: bpy.types.World, description: dict[str, Any]) -> None:
 
     Raises InputError where `hdri.sky_of` does.
     """
-    ensure(world)[DESCRIPTION] = json.dumps(description)
+    ensure(world)[tags.LIGHT] = json.dumps(description)
 
 
 def description_of(world: bpy.types.World) -> dict[str, Any] | None:
     """What `describe` kept, None before."""
     surface = skylight_surface.find(world)
-    kept = None if surface is None else surface.get(DESCRIPTION)
+    kept = None if surface is None else surface.get(tags.LIGHT)
     return None if kept is None else json.loads(kept)
 
 

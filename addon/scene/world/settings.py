@@ -3,22 +3,23 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, fields
+from functools import lru_cache
 from typing import Any
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ... import tags
 from ...sky.light import SkyLight
 from ...spectra import sensitivities
 from ...transfer.choice import SIMPLEST, Choice, choose_with
+from ...transfer.known_light import KnownLight
 from ...transfer.matrices import Transfer, transfer
 from ...transfer.white import AUTO
 from ..blend_data import working_space
 from . import light_group
-
-SETTINGS = "spectral_skylight_settings"
 
 OPEN, BAKED, DOME = "open", "baked", "dome"
 """Shadows of the sky: none, precomputed, or of soft suns."""
@@ -26,7 +27,7 @@ OPEN, BAKED, DOME = "open", "baked", "dome"
 
 @dataclass(frozen=True)
 class Settings:
-    """What made the HDRI's numbers, the model of skylight, and how exact it has to be.
+    """What is asked for a scene: what made the HDRI's numbers, and which light and how exact.
 
     The first four are options of `transfer`; ``basis`` may be `SIMPLEST` too. With a
     ``tolerance`` [CIEDE2000] each material gets the least model that keeps to it, and the sky the
@@ -53,7 +54,7 @@ class Settings:
     def transfer(self, light: SkyLight | None = None, basis: str | None = None) -> Transfer:
         """Return the map from reflectances to matrices of the open file's working space.
 
-        ``light``: the sky, whose sun and colour the basis may be chosen by. ``basis``: another one
+        ``light``: the sky, whose sun and color the basis may be chosen by. ``basis``: another one
         than the settings', which are `atmosphere` as long as the simplest is not found.
         """
         if basis is None:
@@ -77,32 +78,58 @@ class Settings:
         return S if self.white is None else S / np.array(self.white)[:, None]
 
     def choose(
-        self, light: SkyLight, reflectances: NDArray[np.float64], doubted: str = ""
+        self, light: SkyLight, reflectances: NDArray[np.float64], *, white_is_doubtful: bool = False
     ) -> Choice:
-        """Return the models of reflectances (m, 81) under a sky; ``doubted``: `choice.doubt`."""
+        """Return the models of reflectances (m, 81) under a sky.
+
+        ``white_is_doubtful``: a white balance is suspected that is not undone.
+        """
         # A camera's World was developed by one basis already: its materials keep to that.
         basis = "atmosphere" if self.camera and self.basis == SIMPLEST else self.basis
+        known = KnownLight.of(light, self.sun_elevation, white_is_doubtful=white_is_doubtful)
         return choose_with(
-            lambda name: self.transfer(light, name),
-            basis,
-            reflectances,
-            light.faces,
-            light.sun_elevation(self.sun_elevation),
-            self.tolerance,
-            light.outside.foreign,
-            doubted,
+            lambda name: self.transfer(light, name), basis, reflectances, known, self.tolerance
         )
 
+    def plain(self) -> dict[str, Any]:
+        """Return it as plain data that JSON holds; None is left out."""
+        return {name: value for name, value in asdict(self).items() if value is not None}
 
-def stored(world: bpy.types.World | None) -> dict[str, Any]:
-    """The settings that a World's materials were made with, or are to be; empty before any."""
-    if world is not None and world.library is not None and SETTINGS not in world:
+    def to_json(self) -> str:
+        """Return it as text."""
+        return json.dumps(self.plain())
+
+    @classmethod
+    def from_json(cls, text: str) -> Settings:
+        """Read what `to_json` wrote; what is not named there has its default, and what only a newer
+        version knows is passed over. The same text is read once."""
+        return _settings(text)
+
+    @classmethod
+    def from_plain(cls, found: dict[str, Any]) -> Settings:
+        """Read what `plain` returned."""
+        own = {f.name: found[f.name] for f in fields(cls) if found.get(f.name) is not None}
+        if "white" in own:
+            own["white"] = tuple(own["white"])
+        return cls(**own)
+
+
+@lru_cache(maxsize=64)
+def _settings(text: str) -> Settings:
+    return Settings.from_plain(json.loads(text))
+
+
+def stored(world: bpy.types.World | None) -> Settings | None:
+    """The settings that a World's materials were made with, or are to be; None before any."""
+    if world is None:
+        return None
+    if world.library is not None and tags.SETTINGS not in world:
         # What is written on a linked World is not saved: our group of it, in this file, is.
-        return (light_group.description_of(world) or {}).get("settings", {})
-    return {} if world is None else json.loads(world.get(SETTINGS, "{}"))
+        kept = (light_group.description_of(world) or {}).get("settings")
+        return None if kept is None else Settings.from_plain(kept)
+    return Settings.from_json(world[tags.SETTINGS]) if tags.SETTINGS in world else None
 
 
-def store(world: bpy.types.World, settings: dict[str, Any]) -> None:
-    """Keep settings with a World: names, numbers and lists; None is left out."""
-    given = {name: value for name, value in settings.items() if value is not None}
-    world[SETTINGS] = json.dumps(given)
+def store(world: bpy.types.World, settings: Settings) -> None:
+    """Keep settings with a World."""
+    world[tags.SETTINGS] = settings.to_json()

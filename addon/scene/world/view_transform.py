@@ -12,10 +12,10 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ... import tags
 from ...errors import InputError
 from . import settings as world_settings
 
-KEPT = "spectral_skylight_view"  # on a scene whose white is ours: its view before, and as we set it
 WHITE = ("use_white_balance", "white_balance_temperature", "white_balance_tint")
 
 TRANSFORMS = {
@@ -55,13 +55,13 @@ def hindrance(scene: bpy.types.Scene, level: Sequence[float] | None) -> str:
     world = scene.world
     if level is None or world is None:
         return "Make a material spectral first: its sky's light tells the white"
-    if world_settings.stored(world).get("white") is not None:
+    if (world_settings.stored(world) or world_settings.Settings()).white is not None:
         return "The HDRI is white-balanced already: once more would be twice"
     view = scene.view_settings
     white_level = tuple(view.curve_mapping.white_level) if view.use_curve_mapping else (1.0,) * 3
     if max(white_level) - min(white_level) > 1e-6:
         return "The view's curves have a white level already: once more would be twice"
-    if KEPT not in scene and view.use_white_balance:
+    if tags.VIEW not in scene and view.use_white_balance:
         return "The view has a White Balance of its own: once more would be twice"
     if min(level) <= 0.0:
         return "This sky's light has no white"
@@ -79,7 +79,7 @@ def neutral(scene: bpy.types.Scene, level: Sequence[float]) -> str:
         raise InputError(place, why, "leave one of both")
     view = scene.view_settings
     before = _values(view)
-    kept = scene[KEPT].to_dict() if KEPT in scene else {"before": before}
+    kept = scene[tags.VIEW].to_dict() if tags.VIEW in scene else {"before": before}
     view.use_white_balance = True
     view.white_balance_whitepoint = tuple(np.array(level) / max(level))
     found = np.array(view.white_balance_whitepoint)
@@ -89,7 +89,7 @@ def neutral(scene: bpy.types.Scene, level: Sequence[float]) -> str:
         raise InputError(
             place, "its light is beyond Blender's white balance", "leave it, or set it by hand"
         )
-    scene[KEPT] = {**kept, "ours": _values(view)}
+    scene[tags.VIEW] = {**kept, "ours": _values(view)}
     return (
         f"white of the sky: {view.white_balance_temperature:.0f} K, "
         f"tint {view.white_balance_tint:+.0f}; scene-linear EXR is not changed by it"
@@ -98,7 +98,7 @@ def neutral(scene: bpy.types.Scene, level: Sequence[float]) -> str:
 
 def refresh(scene: bpy.types.Scene, level: Sequence[float]) -> list[str]:
     """Let a neutral white follow another sky, where a scene has one of ours; return warnings."""
-    if KEPT not in scene:
+    if tags.VIEW not in scene:
         return []
     try:
         neutral(scene, level)
@@ -110,13 +110,13 @@ def refresh(scene: bpy.types.Scene, level: Sequence[float]) -> list[str]:
 
 def give_back(scene: bpy.types.Scene) -> None:
     """Give a scene's view its white back; what a user has changed meanwhile stays."""
-    if KEPT not in scene:
+    if tags.VIEW not in scene:
         return
-    kept = scene[KEPT].to_dict()
+    kept = scene[tags.VIEW].to_dict()
     view = scene.view_settings
     if _values(view) == kept["ours"]:
         _set(view, kept["before"])
-    del scene[KEPT]
+    del scene[tags.VIEW]
 
 
 def _values(view: Any) -> dict[str, Any]:

@@ -1,0 +1,134 @@
+"""What a managed material keeps of itself, as custom properties hold it.
+
+All that is needed later lies in the blend file: values, where they came from, what was predicted.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, fields
+from functools import lru_cache
+from typing import Any
+
+import bpy
+
+from ....node_groups import skylight_surface
+from ... import tags
+
+
+@dataclass(frozen=True)
+class Result:
+    """What one material was given, and what is predicted of it under the sky.
+
+    ``model``: one of `choice.MODELS`; expected CIEDE2000 of RGB × RGB and of the model, and the
+    model's to count on (``bound``), NaN where unknown; ``colour``: RGB on level ground in the
+    working space; ``line``: all that in words.
+    """
+
+    material: str
+    reflectance: str
+    model: str = ""
+    rgb_delta_E: float = math.nan
+    matrix_delta_E: float = math.nan
+    bound: float = math.nan
+    colour: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    out_of_gamut: bool = False
+    line: str = ""
+
+
+@dataclass(frozen=True)
+class Details:
+    """All that a record holds beside the nodes' own values.
+
+    ``values``: the reflectance (81,), empty in files of the first version; ``measured``: from where
+    to where [nm]; ``source``: what base color it came from (`base_color.source`), None for a
+    measured one without a texture; ``white``: the luminance of white on level ground; ``unknown``:
+    why no error could be predicted; ``unit``, ``file`` and ``behind`` as `Assignment` has them.
+    """
+
+    result: Result | None = None
+    unknown: str = ""
+    values: tuple[float, ...] = ()
+    measured: tuple[float, float] | None = None
+    source: tuple[Any, ...] | None = None
+    white: float = 1.0
+    unit: str = ""
+    file: str = ""
+    behind: str = ""
+
+    @property
+    def sentences(self) -> list[str]:
+        """What is predicted of the material, in words; nothing in files of the first version."""
+        found = self.result
+        if found is None:
+            return []
+        if not math.isfinite(found.rgb_delta_E):
+            lines = [f"its error is unknown: {self.unknown or 'the sky is dark'}"]
+        else:
+            rgb, ours = found.rgb_delta_E, found.matrix_delta_E
+            lines = [f"RGB is off by ΔE {rgb:.1f}, spectral by {ours:.1f}"]
+            if math.isfinite(found.bound):
+                lines.append(f"at most {found.bound:.1f}; ΔE 1 is just noticeable")
+        if found.out_of_gamut:
+            lines.append("out of gamut: Blender clamps it")
+        return lines
+
+    def to_json(self) -> str:
+        """Return it as text, the result's fields beside the others."""
+        own = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "result"}
+        return json.dumps({**(asdict(self.result) if self.result else {}), **own})
+
+    @classmethod
+    def from_json(cls, text: str) -> Details:
+        """Read what `to_json` wrote, also by an earlier version; the same text is read once."""
+        return _details(text)
+
+
+@lru_cache(maxsize=4096)
+def _details(text: str) -> Details:
+    found = _plain(json.loads(text))
+    result = {f.name: found[f.name] for f in fields(Result) if f.name in found}
+    own = {f.name: found[f.name] for f in fields(Details) if f.name in found}
+    return Details(Result(**result) if "material" in result else None, **own)
+
+
+def _plain(found: Mapping[str, Any]) -> dict[str, Any]:
+    """Lists as tuples, which records hold."""
+    return {k: tuple(v) if isinstance(v, list) else v for k, v in found.items()}
+
+
+@dataclass(frozen=True)
+class MaterialRecord:
+    """The custom property of a managed material.
+
+    ``id``: the kind of its group; ``version``: the group's; ``without_nodes``: it had no nodes
+    before, which Blender 4.5 allows; ``gloss``: it keeps its own; ``textured``: its base color's
+    texture makes its reflectance.
+    """
+
+    reflectance: str
+    reflectance_hash: str
+    details: Details = Details()
+    without_nodes: bool = False
+    gloss: bool = False
+    textured: bool = False
+    id: str = skylight_surface.KIND
+    version: int = skylight_surface.VERSION
+
+    def keep(self, material: bpy.types.Material) -> None:
+        """Write it to a material."""
+        own = {f.name: getattr(self, f.name) for f in fields(self) if f.name != "details"}
+        # Custom properties hold no nested lists.
+        material[tags.MATERIAL] = {**own, "extra": self.details.to_json()}
+
+    @classmethod
+    def of(cls, material: bpy.types.Material) -> MaterialRecord | None:
+        """Return what a material keeps, None for one without, or one damaged by hand."""
+        kept = material.get(tags.MATERIAL)
+        if not hasattr(kept, "to_dict") or "extra" not in kept:
+            return None
+        found = kept.to_dict()
+        own = {f.name: found[f.name] for f in fields(cls) if f.name in found}
+        return cls(**own, details=Details.from_json(found["extra"]))

@@ -1,0 +1,197 @@
+"""What making materials spectral comes to: all of it computed and checked, nothing written yet."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..sky.light import SkyLight
+from ..spectra.working_spaces import rec709_to_working
+from ..transfer.assignment import Assignment
+from ..transfer.choice import Choice, lowest_degree, sky_line, visibility_line
+from ..transfer.white import estimate_white
+from . import scene_lighting
+from .bake import sky_exposure
+from .lights.lighting import Lights
+from .materials import base_color, glass_and_metal, rgb_comparison, spectral_material
+from .materials.record import Details, Result
+from .materials.spectral_material import Surface
+from .world import hdri, panorama
+from .world.settings import Settings
+
+Assignments = Mapping[bpy.types.Material, Assignment]
+
+
+@dataclass(frozen=True, eq=False)
+class MaterialPlan:
+    """What one material will show.
+
+    ``texture`` (3, 81): what red, green and blue of its base color's texture reflect, None without
+    one; ``comparison``: what RGB × RGB would give to its inputs.
+    """
+
+    material: bpy.types.Material
+    given: Assignment
+    surface: Surface
+    texture: NDArray[np.float64] | None
+    comparison: rgb_comparison.Values
+
+    @property
+    def result(self) -> Result:
+        """What is reported of it."""
+        assert self.surface.details.result is not None
+        return self.surface.details.result
+
+
+@dataclass(frozen=True, eq=False)
+class Plan:
+    """What is to be written, and all that it was decided by.
+
+    ``light``: the World's sky; ``choice``: the matrices and their predicted errors; ``lights``:
+    all that shines; ``towards_sun`` (3,): in the world, None without a sun; ``panes``: what becomes
+    glass; ``description``: what is kept of the light, as plain data.
+    """
+
+    world: bpy.types.World
+    settings: Settings
+    light: SkyLight
+    choice: Choice
+    lights: Lights
+    towards_sun: NDArray[np.float64] | None
+    materials: tuple[MaterialPlan, ...]
+    panes: Assignments
+    description: dict[str, Any]
+
+
+def make(world: bpy.types.World | None, given: Assignments, settings: Settings) -> Plan:
+    """Plan what materials will show under a World's sky; no data-block changes.
+
+    Raises InputError as `panorama.light_of` and `Settings.transfer` do, and for a material that
+    cannot be changed or shows no metal where it is given one.
+    """
+    for material, one in given.items():
+        spectral_material.check_editable(material)
+        if one.metal is not None:
+            glass_and_metal.check_metal(material)
+    surfaces = {material: one for material, one in given.items() if not one.faces}
+    light = panorama.light_of(world, settings.sensors)
+    assert world is not None  # else it had raised
+    light, choice = _choose(light, surfaces, settings)
+    model = sky_line(choice, light)
+    if settings.tolerance is not None and bpy.context.scene.world == world:
+        hidden = sky_exposure.hidden_share(bpy.context.scene, list(surfaces))
+        model += "" if hidden is None else f"; {visibility_line(hidden, settings.tolerance)}"
+    reflectances = {material: one.values for material, one in surfaces.items()}
+    lights = scene_lighting.find(world, light, choice.transfer, settings, reflectances)
+    towards_sun = scene_lighting.towards_sun(world, light, settings)
+    values = _stacked(surfaces)
+    reflected = lights.reflected(values)
+    return Plan(
+        world,
+        settings,
+        light,
+        choice,
+        lights,
+        towards_sun,
+        tuple(
+            _material(material, one, choice, lights, settings, k, reflected)
+            for k, (material, one) in enumerate(surfaces.items())
+        ),
+        {material: one for material, one in given.items() if one.faces},
+        {
+            **light.report(),
+            "caption": lights.caption,
+            "settings": settings.plain(),
+            "space": choice.transfer.space,
+            "image": hdri.sky_of(world).name,
+            "model": model,
+            "spectrum": _restored(light, choice),
+            "level": lights.level(towards_sun).tolist(),
+        },
+    )
+
+
+def _choose(light: SkyLight, surfaces: Assignments, settings: Settings) -> tuple[SkyLight, Choice]:
+    """Choose the models, and the lowest degree of the sky that keeps to the tolerance."""
+    balance = ""
+    if settings.white is None:
+        balance = estimate_white(light, settings.transfer(light), settings.sun_elevation).line
+        light = replace(light, signs=(*light.signs, balance)) if balance else light
+    choice = settings.choose(light, _stacked(surfaces), white_is_doubtful=bool(balance))
+    if settings.tolerance is not None:
+        to_rec709 = np.linalg.inv(rec709_to_working(choice.transfer.space))
+        to_rec709 = to_rec709 @ choice.transfer.to_working
+        light = lowest_degree(light, to_rec709, settings.tolerance)
+    return light, choice
+
+
+def _material(
+    material: bpy.types.Material,
+    given: Assignment,
+    choice: Choice,
+    lights: Lights,
+    settings: Settings,
+    k: int,
+    reflected: dict[str, NDArray[np.float64]],
+) -> MaterialPlan:
+    """Plan one material, which stands k-th in the choice."""
+    prediction = choice.prediction
+    assert prediction is not None
+    texture = base_color.varied(material, given)
+    expected, bound = choice.error(k)
+    result = Result(
+        material=material.name,
+        reflectance=given.name,
+        model=choice.models[k],
+        rgb_delta_E=float(prediction.rgb[k]),
+        matrix_delta_E=expected,
+        bound=bound,
+        colour=tuple(prediction.colour[k].tolist()),
+        out_of_gamut=bool(prediction.out_of_gamut[k]),
+        line=choice.line(k, f"{material.name} ({given.name})"),
+    )
+    followed = given.estimated or texture is not None
+    details = Details(
+        result,
+        unknown=prediction.unknown,
+        values=tuple(given.values.tolist()),
+        measured=given.measured,
+        source=tuple(base_color.source(material)) if followed else None,
+        white=lights.white_luminance,
+        unit=given.unit,
+        file=given.source,
+        behind=given.behind,
+    )
+    name = material.name_full
+    surface = Surface(
+        choice.matrices[k],
+        given.name,
+        given.hash,
+        details,
+        reflected={
+            **{light: rgb[k] for light, rgb in reflected.items()},
+            **lights.bounced(name, given.values),
+        },
+        gloss=settings.gloss or given.metal is not None,
+        textured=texture is not None,
+    )
+    comparison = dict(rgb_comparison.surface(lights, name, given.values))
+    if texture is not None:
+        comparison |= rgb_comparison.texture(lights, texture)
+    return MaterialPlan(material, given, surface, texture, comparison)
+
+
+def _stacked(surfaces: Assignments) -> NDArray[np.float64]:
+    """The reflectances of surfaces, (m, 81)."""
+    return np.array([one.values for one in surfaces.values()]).reshape(-1, 81)
+
+
+def _restored(light: SkyLight, choice: Choice) -> list[float]:
+    """The spectrum (81,) of the sky's light on level ground, as pictures show it."""
+    transfer = choice.transfer
+    return (transfer.restoration @ transfer.unbalanced(light.faces[0])).tolist()

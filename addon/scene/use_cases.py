@@ -1,0 +1,332 @@
+"""What is done to a scene, a function each: buttons, commands and batch tasks call these.
+
+Those that take long are generators of `Progress`: `run` works one to its end, and whoever closes
+one leaves things whole. Each returns what to report.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Collection, Generator, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from .. import tags
+from ..errors import InputError
+from ..progress import Progress, mapped, run
+from ..sky.light import SkyLight
+from ..transfer.assignment import ESTIMATED, Assignment
+from ..transfer.assignment_table import read_table, table_files
+from ..transfer.white import AUTO, estimate_white, settle_white
+from ..whole_files import write_text
+from . import plan as planning
+from .bake import interreflection, scene_bake
+from .materials import base_color, eligibility, spectral_material
+from .materials.assigned import assigned, in_file
+from .materials.record import Result
+from .plan import Assignments
+from .scene_lighting import towards_sun
+from .world import hdri, light_group, panorama
+from .world.settings import BAKED, Settings
+from .write import write
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a use case.
+
+    ``light``: the World's sky, None where no material asked for it; ``results``: a material each;
+    ``skipped``: why materials were left out, a line each; ``lines``: what else to read.
+    """
+
+    light: SkyLight | None = None
+    results: list[Result] = field(default_factory=list)
+    skipped: list[str] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Everything:
+    """What came of making a whole scene spectral: results, and (name, reason) of those left."""
+
+    results: list[Result]
+    left: list[tuple[str, str]]
+
+    @property
+    def estimated(self) -> int:
+        """How many have a reflectance that nobody measured."""
+        return sum(result.reflectance == ESTIMATED for result in self.results)
+
+    @property
+    def line(self) -> str:
+        """How many of which, in one sentence."""
+        count = f"{len(self.results)} material(s) spectral, {self.estimated} of them estimated"
+        return f"{count}; {len(self.left)} left alone" if self.left else count
+
+
+def analyzed(world: bpy.types.World | None, settings: Settings) -> SkyLight:
+    """Return what a World's sky is; raises InputError as `panorama.light_of` does."""
+    return panorama.light_of(world, settings.sensors)
+
+
+def set_sky(scene: bpy.types.Scene, path: str | Path, settings: Settings) -> bpy.types.World:
+    """Light a scene by an HDRI file, developed where it is a camera's raw.
+
+    Raises InputError for a file that is no sky (the scene is untouched) and for wrong settings.
+    """
+    settings.transfer()
+    hdri.set_sky(scene, path, raw=settings.camera is not None)
+    return develop(scene, settings)
+
+
+def load_sky(scene: bpy.types.Scene, path: str | Path, settings: Settings) -> Outcome:
+    """Light a scene by an HDRI file, and let its spectral materials follow.
+
+    Raises InputError as `set_sky` does; the scene is untouched then.
+    """
+    settings.transfer()
+    ours, skipped = editable(in_scene(scene))
+    set_sky(scene, path, settings)
+    found = update(scene, settings, ours)
+    return replace(found, skipped=skipped)
+
+
+def develop(scene: bpy.types.Scene, settings: Settings) -> bpy.types.World:
+    """Return a scene's World; where its HDRI is a camera's raw, give it one that shows colors.
+
+    Raises InputError as `hdri.develop` does, and for an unknown camera.
+    """
+    if settings.camera is None:
+        return hdri.develop(scene, np.eye(3))
+    light = analyzed(scene.world, settings)
+    return hdri.develop(scene, settings.transfer(light).to_working)
+
+
+def with_estimated_white(world: bpy.types.World | None, settings: Settings) -> tuple[Settings, str]:
+    """Return settings with the white balance that a World's sky seems to have, and a line on it."""
+    light = analyzed(world, settings)
+    white, line = settle_white(
+        AUTO, lambda: estimate_white(light, settings.transfer(light), settings.sun_elevation)
+    )
+    return replace(settings, white=white), line
+
+
+def make_spectral(scene: bpy.types.Scene, given: Assignments, settings: Settings) -> Outcome:
+    """Give materials what they are assigned under a scene's sky.
+
+    Everything is computed and checked before the first material changes. Raises InputError as
+    `develop` and `plan.make` do.
+    """
+    return run(making_spectral(scene, given, settings))
+
+
+def making_spectral(
+    scene: bpy.types.Scene, given: Assignments, settings: Settings
+) -> Generator[Progress, None, Outcome]:
+    """Do as `make_spectral` does, yielding after each material."""
+    plan = planning.make(develop(scene, settings), given, settings)
+    results = yield from write(plan)
+    return Outcome(plan.light, results)
+
+
+def making_spectral_with_all_light(
+    scene: bpy.types.Scene, given: Assignments, settings: Settings
+) -> Generator[Progress, None, Outcome]:
+    """Give materials what they are assigned, and bake where settings ask for it.
+
+    Raises InputError as `make_spectral` does.
+    """
+    found = yield from making_spectral(scene, given, settings)
+    if settings.occlusion != BAKED:
+        return found
+    lines = yield from bake(scene, settings)
+    surfaces = [material for material, one in given.items() if not one.faces]
+    return replace(update(scene, settings, surfaces), lines=lines)
+
+
+def make_everything_spectral(
+    scene: bpy.types.Scene,
+    chosen: Mapping[bpy.types.Material, Assignment | str],
+    settings: Settings,
+    estimate: bool = True,
+) -> Generator[Progress, None, Everything]:
+    """Make every eligible material of a scene spectral, yielding after each.
+
+    ``chosen``: what materials are given, or why that cannot be read; others keep what they have, or
+    with ``estimate`` get a reflectance of their base color. Raises InputError as `make_spectral`.
+    """
+    given: dict[bpy.types.Material, Assignment] = {}
+    left: list[tuple[str, str]] = []
+    for material in eligibility.materials_of(scene):
+        what = _what(material, chosen.get(material), estimate)
+        if isinstance(what, str):
+            left.append((material.name, what))
+        else:
+            given[material] = what
+    results: list[Result] = []
+    if given:
+        results = (yield from making_spectral(scene, given, settings)).results
+    scene[tags.LEFT_ALONE] = json.dumps(left)
+    return Everything(results, left)
+
+
+def _what(
+    material: bpy.types.Material, chosen: Assignment | str | None, estimate: bool
+) -> Assignment | str:
+    """What a material is to have, or why it is left alone."""
+    if chosen is not None:
+        return eligibility.unchangeable(material) or chosen
+    before = assigned(material)
+    if before is not None and not before.estimated:
+        return eligibility.unchangeable(material) or before
+    if why := eligibility.reason(material):
+        return why
+    if not estimate:
+        return "no reflectance is chosen for it"
+    return base_color.estimated(material)
+
+
+def left_alone(scene: bpy.types.Scene) -> list[tuple[str, str]]:
+    """Names of materials that `make_everything_spectral` left alone, and why; empty before."""
+    return [(name, why) for name, why in json.loads(scene.get(tags.LEFT_ALONE, "[]"))]
+
+
+def resolved(given: Mapping[bpy.types.Material, Assignment | None]) -> Assignments:
+    """Return what materials are given, those that are None by an estimate of their base color."""
+    return {
+        material: base_color.estimated(material) if one is None else one
+        for material, one in given.items()
+    }
+
+
+def give_table(scene: bpy.types.Scene, path: Path, settings: Settings) -> Outcome:
+    """Give a scene's materials what a table has for their names, one by one name after another.
+
+    Names that no material of the scene has, and materials that cannot be changed, are reported.
+    Raises InputError as `read_table` and `make_spectral` do, and where no name fits.
+    """
+    table = read_table(path)
+    by_name = {material.name: material for material in eligibility.materials_of(scene)}
+    absent = [name for name in table if name not in by_name]
+    if len(absent) == len(table):
+        raise InputError(path, "names no material of this scene", "choose the scene's own table")
+    chosen, skipped = editable(by_name[name] for name in table if name in by_name)
+    given = resolved({material: table[material.name] for material in chosen})
+    skipped += [f"skipped: the scene has no material {name}" for name in absent]
+    return replace(make_spectral(scene, given, settings), skipped=skipped)
+
+
+def write_table(path: Path) -> int:
+    """Write what the file's materials have been given as a table; return of how many.
+
+    Raises InputError where nothing was given yet, or a file cannot be written.
+    """
+    given = in_file()
+    if not given:
+        raise InputError(path, "would be empty", "make a material spectral first")
+    for file, text in table_files(path, given).items():
+        write_text(file, text)
+    return len(given)
+
+
+def estimate(
+    scene: bpy.types.Scene, materials: Iterable[bpy.types.Material], settings: Settings
+) -> Outcome:
+    """Give materials reflectances of their own base colors; raises as `make_spectral` does."""
+    return make_spectral(scene, resolved(dict.fromkeys(materials)), settings)
+
+
+def update(
+    scene: bpy.types.Scene,
+    settings: Settings,
+    chosen: Iterable[bpy.types.Material] | None = None,
+) -> Outcome:
+    """Bring managed materials (None: all of the scene that can be changed) up to date with its sky.
+
+    What they are given comes from the blend file itself. Raises InputError as `make_spectral` does,
+    and for a material of the first version, which kept no reflectance.
+    """
+    skipped: list[str] = []
+    if chosen is None:
+        chosen, skipped = editable(in_scene(scene))
+    return replace(make_spectral(scene, given_before(chosen), settings), skipped=skipped)
+
+
+def given_before(materials: Iterable[bpy.types.Material]) -> dict[bpy.types.Material, Assignment]:
+    """Return what materials were given; raises InputError for one that keeps nothing."""
+    found = {material: assigned(material) for material in materials}
+    for material, one in found.items():
+        if one is None:
+            place = f'material "{material.name}"'
+            raise InputError(place, "has no reflectance yet", "apply one first")
+    return {material: one for material, one in found.items() if one is not None}
+
+
+def in_scene(scene: bpy.types.Scene) -> list[bpy.types.Material]:
+    """Return the managed materials on a scene's objects or under its World, each once."""
+    shown = spectral_material.materials_of(scene.objects)
+    under = spectral_material.managed_materials(scene.world) if scene.world else []
+    return list(dict.fromkeys([*filter(spectral_material.is_managed, shown), *under]))
+
+
+def editable(
+    found: Iterable[bpy.types.Material],
+) -> tuple[list[bpy.types.Material], list[str]]:
+    """Return those that this file can change, and a line for each that is skipped.
+
+    Raises InputError where none is left of some.
+    """
+    kept: list[bpy.types.Material] = []
+    skipped: list[InputError] = []
+    for material in found:
+        try:
+            spectral_material.check_editable(material)
+        except InputError as error:
+            skipped.append(error)
+        else:
+            kept.append(material)
+    if skipped and not kept:
+        raise skipped[0]
+    return kept, [f"skipped: {error}" for error in skipped]
+
+
+def bake(
+    scene: bpy.types.Scene,
+    settings: Settings,
+    objects: Collection[bpy.types.Object] | None = None,
+    **options: Any,
+) -> Generator[Progress, None, list[str]]:
+    """Bake what objects see of the sky, and bounces where settings ask, yielding how far it is.
+
+    ``objects``: of the active scene, None for all of its managed ones; ``options``: those of
+    `scene_bake.bake`. Returns lines to read; `update` then lights it.
+    """
+    share = 0.7 if settings.bounce else 1.0
+    lines = yield from mapped(
+        scene_bake.bake(objects, **options),
+        lambda progress: Progress(share * progress.done, progress.line),
+    )
+    if settings.bounce:
+        sun = towards_sun(scene.world, analyzed(scene.world, settings), settings)
+        for done in interreflection.bounce(sun):
+            yield Progress(share + (1.0 - share) * done, "one bounce")
+    return lines
+
+
+def remove(materials: Iterable[bpy.types.Material]) -> Outcome:
+    """Give those of some materials back that are ours, as they were; raises as `editable` does."""
+    ours = set(spectral_material.ours())
+    chosen, skipped = editable(material for material in materials if material in ours)
+    for material in chosen:
+        spectral_material.remove(material)
+    return Outcome(skipped=skipped, lines=[f"{len(chosen)} material(s) are as they were before"])
+
+
+def light_lines(world: bpy.types.World | None) -> list[str]:
+    """What shines on a World's materials, and what a picture must say; none before any."""
+    found = light_group.description_of(world) if world is not None else None
+    return [*found["lights"], found["caption"]] if found else []

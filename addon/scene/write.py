@@ -1,0 +1,110 @@
+"""Writing a plan into the blend file: lights first, then each material, then what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import bpy
+
+from ..errors import InputError
+from ..progress import Progress
+from .bake import interreflection
+from .lights import lighting
+from .materials import (
+    base_color,
+    glass_and_metal,
+    merge_groups,
+    rgb_comparison,
+    saved_settings,
+    spectral_material,
+    swatch,
+)
+from .materials.assigned import assigned
+from .materials.record import Result
+from .plan import MaterialPlan, Plan
+from .world import light_group, settings, view_transform
+
+
+def write(plan: Plan) -> Generator[Progress, None, list[Result]]:
+    """Write a plan, yielding after each material.
+
+    Whoever closes the generator leaves those before it whole, lit and described.
+    """
+    yield Progress(0.0, "the sky")
+    rgb_comparison.show(False)
+    settings.store(plan.world, plan.settings)
+    if plan.materials or spectral_material.managed_materials(plan.world):
+        lighting.install(plan.world, plan.lights)  # glass alone needs no lamps
+    group = light_group.ensure(plan.world)
+    written: list[MaterialPlan] = []
+    try:
+        for one in plan.materials:
+            _write_material(plan, one, group)
+            written.append(one)
+            yield Progress(len(written) / len(plan.materials), one.material.name)
+        for material, pane in plan.panes.items():
+            glass_and_metal.glaze(material, pane)
+    finally:
+        _finish(plan, [one.material for one in written])
+    return [one.result for one in written]
+
+
+def _write_material(plan: Plan, one: MaterialPlan, group: bpy.types.NodeTree) -> None:
+    material = one.material
+    if one.given.metal is None and glass_and_metal.metal_of(material) is not None:
+        spectral_material.remove(material, stays=group)  # with the metal's colors
+    spectral_material.apply(material, plan.world, one.surface, group)
+    if one.given.metal is not None:
+        glass_and_metal.keep_metal(material, *one.given.metal)
+    if one.texture is not None:
+        spectral_material.set_texture(material, base_color.values(plan.lights, one.texture))
+    shown = swatch.shown(one.result.colour, plan.lights.white_luminance)
+    saved_settings.show_colour(material, shown)
+    rgb_comparison.keep(material, one.comparison)
+
+
+def _finish(plan: Plan, fresh: list[bpy.types.Material]) -> None:
+    """Let everything else under the World follow its light, and keep what was found."""
+    world, scenes = plan.world, lighting.scenes_of(plan.world)
+    warnings = _follow(plan, fresh)
+    warnings += lighting.refresh(world)
+    warnings += _not_shown(fresh)
+    if plan.lights.features.bounce and interreflection.is_stale(plan.towards_sun):
+        warnings.append("the sun has moved since its bounce was baked: bake again")
+    warnings += glass_and_metal.refresh(scenes, plan.light, plan.choice.transfer)
+    for scene in scenes:
+        warnings += view_transform.refresh(scene, plan.description["level"])
+    lines = [*plan.lights.lines, *warnings]
+    light_group.describe(world, {**plan.description, "lights": lines})
+    merge_groups.merge()
+
+
+def _follow(plan: Plan, fresh: list[bpy.types.Material]) -> list[str]:
+    """Give materials that the World lit before what they reflect of its new light."""
+    lines = []
+    lights = plan.lights
+    for material in set(spectral_material.managed_materials(plan.world)) - set(fresh):
+        try:
+            spectral_material.check_editable(material)
+        except InputError as error:
+            lines.append(f"skipped: {error}")
+            continue
+        managed, given = spectral_material.managed(material), assigned(material)
+        assert managed is not None
+        if given is None:
+            continue  # of the first version, which kept no values
+        reflected = lights.reflected(given.values)
+        bounced = lights.bounced(material.name_full, given.values)
+        spectral_material.update(material, managed.matrix, {**reflected, **bounced})
+        if (texture := base_color.varied(material, given)) is not None:
+            spectral_material.set_texture(material, base_color.values(lights, texture))
+    return lines
+
+
+def _not_shown(fresh: list[bpy.types.Material]) -> list[str]:
+    """A line for each material of whose look something is not carried over."""
+    return [
+        f"{material.name}: not shown while it is spectral: {', '.join(missing)}"
+        for material in fresh
+        if (missing := spectral_material.look_of(material).left_out)
+    ]
