@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .panorama import directions
+from .lat_long import directions
 from .polynomial import HIGHEST_DEGREE, monomials
 
 _ROWS = 256
@@ -22,35 +22,70 @@ _ROWS = 256
 front of them is kept exactly), coarser ones split. Within a row the clip is taken at mid-height,
 right to a quarter of the row's height squared, 4e-5 of the irradiance under an even sky."""
 
-_NORMALS_AT_ONCE = 128
+_ROWS_AT_ONCE, _NORMALS_AT_ONCE = 16, 8
+"""What is worked on stays in the processor's cache."""
 
 
-def exact_irradiance(rgb: ArrayLike, normals: ArrayLike) -> NDArray[np.float64]:
+def exact_irradiance(sky: ArrayLike, normals: ArrayLike) -> NDArray[np.float64]:
     """Return the cosine-weighted mean of the sky over each normal's hemisphere, (m, 3).
 
     Parameters
     ----------
-    rgb
-        Lat-long radiance, (h, 2 h, 3), row 0 at the zenith.
+    sky
+        Lat-long radiance, (h, 2 h, 3), row 0 at the zenith, or its `running_sums`.
     normals
         (m, 3); their length does not count.
     """
-    return _gather(_running_sums(rgb), np.asarray(normals, dtype=float))
+    sums = _sums_of(sky)
+    rows, columns = sums.shape[0], sums.shape[1] - 1
+    flat, whole = sums.reshape(-1, 9), sums[:, -1].reshape(rows, 9)
+    elevation = (0.5 - (np.arange(rows) + 0.5) / rows) * np.pi
+    first = np.arange(rows) * (columns + 1)
+    normals = np.asarray(normals, dtype=float)
+    normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    total = np.empty((len(normals), 9))
+    for start in range(0, len(normals), _NORMALS_AT_ONCE):
+        normal = normals[start : start + _NORMALS_AT_ONCE]
+        level = np.hypot(normal[:, 0], normal[:, 1])[:, None]
+        # n . d = level cos(elevation) cos(azimuth - that of n) + n_z sin(elevation) is positive
+        # up to `half` on either side of the normal's azimuth.
+        below = -normal[:, 2:] * np.sin(elevation)
+        half = np.arccos(np.clip(below / np.maximum(level * np.cos(elevation), 1e-300), -1.0, 1.0))
+        # Rows that the horizon of none of these cuts are wholly in front, or behind.
+        cut = np.flatnonzero(((half > 0.0) & (half < np.pi)).any(axis=0))
+        band = slice(int(cut[0]), int(cut[-1]) + 1) if cut.size else slice(0)
+        in_front = half > 0.0
+        in_front[:, band] = False
+        half = half[:, band]
+        azimuth = np.arctan2(normal[:, 1], normal[:, 0])[:, None]
+        edges = np.stack([azimuth - half, azimuth + half], axis=1)
+        turns, column = np.divmod((0.5 - edges / (2.0 * np.pi)) * columns, columns)
+        left = np.minimum(column.astype(np.intp), columns - 1)
+        share = column - left
+        # The sum up to one edge less that up to the other, each between two columns.
+        weights = np.stack([1.0 - share, share], axis=-1) * [[[1.0]], [[-1.0]]]
+        at = first[band] + left
+        at = np.stack([at, at + 1], axis=-1).reshape(len(normal), -1)
+        between = weights.reshape(len(normal), 1, -1) @ flat[at]
+        around = (turns[:, 0] - turns[:, 1]) @ whole[band] + in_front @ whole
+        total[start : start + len(normal)] = between[:, 0] + around
+    return np.einsum("ma,mac->mc", normals, total.reshape(-1, 3, 3)) / np.pi
 
 
-def irradiance_map(rgb: ArrayLike, width: int = 64) -> NDArray[np.float32]:
+def irradiance_map(sky: ArrayLike, width: int = 64) -> NDArray[np.float32]:
     """Return the irradiance of faces that look where the pixels of a panorama do.
 
-    Shape (width / 2, width, 3), lat-long as the sky itself; `width` is even and at least 2.
+    ``sky`` as in `exact_irradiance`. Shape (width / 2, width, 3), lat-long as the sky itself;
+    `width` is even and at least 2.
     """
     if width < 2 or width % 2:
         raise ValueError(f"width {width} is not an even number of at least 2")
     normals = directions(width // 2, width)
-    values = exact_irradiance(rgb, normals.reshape(-1, 3))
+    values = exact_irradiance(sky, normals.reshape(-1, 3))
     return values.reshape(normals.shape).astype(np.float32)
 
 
-def _running_sums(rgb: ArrayLike) -> NDArray[np.float64]:
+def running_sums(rgb: ArrayLike) -> NDArray[np.float64]:
     """Sum radiance times direction along each row, (rows, columns + 1, 3 directions, 3 RGB).
 
     Integrals over a pixel are in closed form; sums are in float64.
@@ -63,54 +98,29 @@ def _running_sums(rgb: ArrayLike) -> NDArray[np.float64]:
     merge = next(k for k in range(max(1, height // _ROWS), 0, -1) if height % k == 0)
     elevation = (0.5 - np.arange(height + 1) / height) * np.pi
     azimuth = (0.5 - np.arange(width + 1) / width) * 2.0 * np.pi
-    # Integrals of cos^2 and of sin cos over a row's elevations, of cos and sin over a column's
+    # Integrals of cos^2 and of sin cos over a row's elevations, of cos, sin and 1 over a column's
     # azimuths (which run downwards).
     across = -np.diff(elevation / 2.0 + np.sin(2.0 * elevation) / 4.0)
     upward = -np.diff(np.sin(elevation) ** 2 / 2.0)
-    by_row = np.stack([across, upward]).reshape(2, -1, 1, merge).swapaxes(0, 1)
-    by_column = np.stack([-np.diff(np.sin(azimuth)), np.diff(np.cos(azimuth))])
+    by_row = np.stack([across, upward], axis=1).reshape(-1, merge, 2).swapaxes(1, 2)
+    by_column = np.stack([-np.diff(np.sin(azimuth)), np.diff(np.cos(azimuth)), -np.diff(azimuth)])
+    by_column = by_column.reshape(3, -1, merge).swapaxes(0, 1)
     rows, columns = height // merge, width // merge
-    vectors = np.empty((rows, columns, 3, 3))
-    for row in range(rows):
-        band = rgb[row * merge : (row + 1) * merge].reshape(merge, -1).astype(np.float64)
-        level, up = (by_row[row, :, 0] @ band).reshape(2, columns, merge, 3)
-        turned = by_column.reshape(2, columns, merge, 1) * level
-        vectors[row, :, :2] = turned.sum(axis=2).swapaxes(0, 1)
-        vectors[row, :, 2] = up.sum(axis=1) * (2.0 * np.pi / width)
     sums = np.zeros((rows, columns + 1, 3, 3))
-    np.cumsum(vectors, axis=1, out=sums[:, 1:])
+    for start in range(0, rows, _ROWS_AT_ONCE):
+        some = slice(start, start + _ROWS_AT_ONCE)
+        band = rgb[start * merge : some.stop * merge].reshape(-1, merge, 3 * width).astype(float)
+        level, up = np.moveaxis((by_row[some] @ band).reshape(-1, 2, columns, merge, 3), 1, 0)
+        vectors = sums[some, 1:]
+        np.matmul(by_column[:, :2], level, out=vectors[:, :, :2])
+        np.matmul(by_column[:, 2:], up, out=vectors[:, :, 2:])
+        np.cumsum(vectors, axis=1, out=vectors)
     return sums
 
 
-def _gather(sums: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Add up what lies in front of each normal, (m, 3)."""
-    rows, columns = sums.shape[0], sums.shape[1] - 1
-    flat = sums.reshape(-1, 9)
-    elevation = (0.5 - (np.arange(rows) + 0.5) / rows) * np.pi
-    first = np.arange(rows) * (columns + 1)
-    normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    result = np.empty((len(normals), 3))
-    for start in range(0, len(normals), _NORMALS_AT_ONCE):
-        normal = normals[start : start + _NORMALS_AT_ONCE]
-        level = np.hypot(normal[:, 0], normal[:, 1])[:, None]
-        # n . d = level cos(elevation) cos(azimuth - that of n) + n_z sin(elevation) is positive
-        # up to `half` on either side of the normal's azimuth.
-        below = -normal[:, 2:] * np.sin(elevation)
-        half = np.arccos(np.clip(below / np.maximum(level * np.cos(elevation), 1e-300), -1.0, 1.0))
-        azimuth = np.arctan2(normal[:, 1], normal[:, 0])[:, None]
-        total = np.zeros((len(normal), 9))
-        for sign, edge in ((1.0, azimuth - half), (-1.0, azimuth + half)):
-            column = (0.5 - edge / (2.0 * np.pi)) * columns
-            turns, column = np.divmod(column, columns)
-            left = np.minimum(column.astype(np.intp), columns - 1)
-            share = (column - left)[..., None]
-            at = first + left
-            value = flat[at] * (1.0 - share) + flat[at + 1] * share
-            total += sign * (value.sum(axis=1) + turns @ sums[:, -1].reshape(rows, 9))
-        result[start : start + len(normal)] = np.einsum(
-            "ma,mac->mc", normal, total.reshape(-1, 3, 3)
-        )
-    return result / np.pi
+def _sums_of(sky: ArrayLike) -> NDArray[np.float64]:
+    sky = np.asarray(sky)
+    return sky if sky.ndim == 4 else running_sums(sky)
 
 
 RGB_TO_XYZ = np.array(
@@ -150,7 +160,7 @@ class Fit:
 
 
 def fit_coefficients(
-    rgb: ArrayLike,
+    sky: ArrayLike,
     degree: int | None = None,
     tolerance: float = 0.01,
     to_xyz: ArrayLike = RGB_TO_XYZ,
@@ -164,8 +174,8 @@ def fit_coefficients(
 
     Parameters
     ----------
-    rgb
-        Lat-long radiance, (h, 2 h, 3), the sun's disc taken out.
+    sky
+        Lat-long radiance, (h, 2 h, 3), the sun's disc taken out, or its `running_sums`.
     degree
         0 to 6. Without one, the lowest that leaves at most `tolerance` at worst, else 6.
     to_xyz
@@ -174,10 +184,11 @@ def fit_coefficients(
     if degree is not None and not 0 <= degree <= HIGHEST_DEGREE:
         raise ValueError(f"degree {degree} is not in 0 to {HIGHEST_DEGREE}")
     to_xyz = np.asarray(to_xyz, dtype=float)
-    sums = _running_sums(rgb)
+    sums = _sums_of(sky)
     fitted, checked = spread(1000), spread(1501, 1.0)
     checked = checked[checked[:, 2] >= 0.0]
-    target, truth = _gather(sums, fitted), _gather(sums, checked) @ to_xyz.T
+    target = exact_irradiance(sums, fitted)
+    truth = exact_irradiance(sums, checked) @ to_xyz.T
     luminance = target @ to_xyz[1]
     darkest = max(1e-3 * luminance.max(), 1e-300)
     # A little below the horizon still counts in full, for there the polynomial must not run away.

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .hdri_checks import signs
-from .irradiance import Fit, exact_irradiance, fit_coefficients
+from .irradiance import Fit, exact_irradiance, fit_coefficients, running_sums
 from .panorama import Panorama
 from .polynomial import exponents
 from .sky_classification import KINDS, Outside, outside
@@ -34,7 +36,7 @@ FACES: NDArray[np.float64] = _faces()
 class SkyLight:
     """What of a sky lights materials.
 
-    ``fit``: coefficients of the sky's irradiance without the sun's disc; ``sun``: the disc, or
+    ``fitting``: returns `fit`, which not all that a sky is asked for needs; ``sun``: the disc, or
     None; ``sky`` (h, 2 h, 3): the panorama without the disc; ``faces`` (9, 3): RGB irradiance of
     the sky on `FACES`; ``outside``: which of its pixels are no skylight, and their shares of the
     light on `FACES`.
@@ -42,7 +44,7 @@ class SkyLight:
 
     name: str
     sky: NDArray[np.float32]
-    fit: Fit
+    fitting: Callable[[], Fit]
     sun: Sun | None
     faces: NDArray[np.float64]
     outside: Outside
@@ -52,6 +54,11 @@ class SkyLight:
     """What speaks against the HDRI's numbers being light, a sentence each."""
     known_elevation: float | None = None
     """[degrees] of the sun, where the sky is a model that says it; a sun below it is known too."""
+
+    @property
+    def fit(self) -> Fit:
+        """The coefficients of the sky's irradiance without the sun's disc."""
+        return self.fitting()
 
     @property
     def sun_share(self) -> float:
@@ -134,12 +141,13 @@ def analyse(
     alone the colors of skylight are known: as in `locus_distance`, over a balanced one's white.
     """
     sky, sun = separate_sun(panorama.rgb)
+    sums = running_sums(sky)
     return SkyLight(
         name=panorama.name,
         sky=sky,
-        fit=fit_coefficients(sky, degree),
+        fitting=cache(partial(fit_coefficients, sums, degree)),
         sun=sun,
-        faces=exact_irradiance(sky, FACES),
+        faces=exact_irradiance(sums, FACES),
         outside=outside(sky, sun, FACES, S_in),
         negatives=panorama.negatives,
         signs=tuple(signs(panorama)),

@@ -7,20 +7,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..sky.irradiance import exact_irradiance, spread
-from ..sky.light import SkyLight
-from ..sky.panorama import LUMINANCE
 from ..sky.polynomial import evaluate_polynomial
-from ..spectra.working_spaces import XYZ_to_working
+from ..spectra.working_spaces import LUMINANCE, XYZ_to_working
 from .known_light import KnownLight
 from .matrices import Transfer
 from .measures import delta_E
 from .prediction import FULL, TODAY, Prediction, predict
+
+if TYPE_CHECKING:
+    from ..sky.light import SkyLight
 
 MODELS = ("scalar", "diagonal", FULL)
 """From the cheapest: one number, three, nine."""
@@ -198,7 +199,8 @@ def lowest_degree(light: SkyLight, to_rec709: NDArray[np.float64], tolerance: fl
 
     fits = light.fit.of_degrees
     degree = next((d for d, fit in enumerate(fits) if keeps(fit)), len(fits) - 1)
-    return replace(light, fit=replace(light.fit, degree=degree, coefficients=fits[degree]))
+    chosen = replace(light.fit, degree=degree, coefficients=fits[degree])
+    return replace(light, fitting=lambda: chosen)
 
 
 def sky_line(choice: Choice, light: SkyLight) -> str:
