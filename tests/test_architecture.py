@@ -16,7 +16,7 @@ from spectral_skylight.addon.batch.scenes import NOT_IN_PICTURES
 
 ROOT = Path(__file__).resolve().parents[1]
 
-BASE = {"errors", "tags", "atomic_file", "progress", "source_hash", "whole_files"}
+BASE = {"atomic_file", "bar", "errors", "progress", "source_hash", "tags", "whole_files"}
 """Files under all rooms, of Python's own modules alone."""
 
 MAY_IMPORT = {
@@ -39,7 +39,7 @@ MAY_IMPORT = {
 MODULES_OF = {
     **{name: set() for name in BASE},
     "spectra": {"numpy"},
-    "sky": {"numpy", "OpenEXR", "pvlib", "tqdm"},
+    "sky": {"numpy", "OpenEXR", "pvlib"},
     "transfer": {"numpy"},
     "evaluation": {"numpy", "colour", "matplotlib", "PIL", "scipy", "tqdm"},
     "pictures": {"numpy"},
@@ -48,15 +48,15 @@ MODULES_OF = {
     "ui": {"bpy", "bpy_extras"},
     "registration": {"bpy"},
     "cli": set(),
-    "commands": {"numpy", "tqdm"},
-    "batch": {"bpy", "cloudpickle", "distributed", "numpy", "tqdm"},
+    "commands": {"numpy"},
+    "batch": {"bpy", "cloudpickle", "distributed", "numpy"},
 }
 """Room and the modules from outside, Python's own apart, that it may import.
 
 A batch's script finds copies of our own `atomic_file` and `image_file` beside its own.
 """
 
-LABORATORY = {"colour", "scipy", "matplotlib", "PIL"}
+LABORATORY = {"colour", "scipy", "matplotlib", "PIL", "tqdm"}
 """What only `evaluation` may need: slow to import, and not there in Blender."""
 
 WHEELS = {"colour", "scipy", "OpenEXR", "embreex"}

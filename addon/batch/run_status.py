@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import contextlib
-import sys
 import time
 from pathlib import Path
 from typing import Any
 
+from ..bar import Bar
 from ..errors import InputError
 from ..whole_files import write_json
 from .duration import duration
@@ -22,17 +22,14 @@ class RunStatus:
     """A bar on stderr, and `STATUS` beside the plan. A context manager."""
 
     def __init__(self, out: Path) -> None:
-        from tqdm import tqdm
-
-        form = "{desc} {percentage:3.0f} % {bar:24} {n_fmt}/{total_fmt}{postfix}"
-        self._bar = tqdm(total=0, bar_format=form, desc="batch", file=sys.stderr)
+        self._bar, self._done, self._total = Bar(), 0, 0
         self._path, self._written = out / STATUS, -PAUSE
 
     def __enter__(self) -> RunStatus:
         return self
 
     def __exit__(self, *_: Any) -> None:
-        self._bar.close()
+        self._bar.close(leave=True)
 
     def preparing(self, line: str) -> None:
         """Show what is made ready."""
@@ -40,7 +37,7 @@ class RunStatus:
 
     def tell(self, outcome: Outcome, left: float | None) -> None:
         """Show how far the pictures are."""
-        self._bar.total, self._bar.n = outcome.total, outcome.total - outcome.left
+        self._done, self._total = outcome.total - outcome.left, outcome.total
         failed = f", {len(outcome.failures)} failed" if outcome.failures else ""
         more = "" if left is None else f", {duration(left)} left"
         self._show("rendering", more + failed, outcome, left)
@@ -57,10 +54,11 @@ class RunStatus:
         left: float | None = None,
         now: bool = False,
     ) -> None:
-        self._bar.set_postfix_str(line.removeprefix(", "), refresh=False)
+        done = self._done / self._total if self._total else 0.0
+        figures = f"{self._done}/{self._total}{line}"
+        self._bar.show(f"batch {100 * done:3.0f} %", done, figures)
         if not now and time.monotonic() < self._written + PAUSE and outcome and outcome.left:
             return
-        self._bar.refresh()  # not by tqdm's own clock, which jumps with the computer's
         self._written = time.monotonic()
         status = {"state": state, "line": line.removeprefix(", "), "left": left}
         if outcome is not None:

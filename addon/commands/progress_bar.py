@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import sys
+import time
 from collections.abc import Generator
 
+from ..bar import Bar
 from ..progress import Done, Progress, run
 
 
@@ -13,13 +14,14 @@ def run_with_bar(work: Generator[Progress, None, Done], doing: str, delay: float
 
     The bar appears after ``delay`` [s], and is gone when the work is done.
     """
-    from tqdm import tqdm
+    bar, start = Bar(delay), time.monotonic()
 
-    form = "{desc:<50.50} {bar:20} {elapsed}"
-    with tqdm(total=1.0, file=sys.stderr, bar_format=form, leave=False, delay=delay) as bar:
+    def tell(progress: Progress) -> None:
+        minutes, seconds = divmod(int(time.monotonic() - start), 60)
+        text = f"{doing} {progress.line}"
+        bar.show(f"{text:<50.50}", progress.done, f"{minutes:02d}:{seconds:02d}")
 
-        def tell(progress: Progress) -> None:
-            bar.set_description_str(f"{doing} {progress.line}", refresh=False)
-            bar.update(progress.done - bar.n)
-
+    try:
         return run(work, tell)
+    finally:
+        bar.close()

@@ -16,8 +16,8 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
+from ..bar import Bar
 from ..spectra.ensemble import TABLE, Ensemble
 from ..spectra.grid import WAVELENGTHS
 from ..spectra.sensitivities import cmfs
@@ -121,9 +121,12 @@ def lights(
 def draw_ensemble(seed: int = 1964, progress: bool = False) -> Ensemble:
     """Draw atmospheres at each of `ELEVATIONS` and return their light, compressed."""
     spectra, elevations, kinds, with_ozone = [], [], [], []
+    bar = Bar()
     for ozone, draws in _DRAWS.items():
         rng = np.random.default_rng([seed, ozone])
-        for elevation in tqdm(ELEVATIONS, desc="elevations", disable=not progress):
+        for number, elevation in enumerate(ELEVATIONS):
+            if progress:
+                bar.show(f"elevation {elevation:.0f}°", number / len(ELEVATIONS))
             for _ in range(draws):
                 air = draw_atmosphere(rng)
                 air = air if ozone else replace(air, ozone=0.0)
@@ -132,6 +135,7 @@ def draw_ensemble(seed: int = 1964, progress: bool = False) -> Ensemble:
                     elevations.append(elevation)
                     kinds.append(kind)
                     with_ozone.append(ozone)
+    bar.close()
     return Ensemble.compressed(
         np.array(spectra), np.array(elevations), np.array(kinds), np.array(with_ozone), _COMPONENTS
     )

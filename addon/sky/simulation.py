@@ -8,8 +8,6 @@ and keeps the result on disk under a name made of all that went into it.
 from __future__ import annotations
 
 import os
-import sys
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -17,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..bar import Bar
 from ..errors import InputError
 from ..spectra import cache
 from ..spectra.grid import WAVELENGTHS
@@ -238,12 +237,13 @@ def _follow_all(
 
     starts = range(0, len(views), together)
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        parts: Iterator = pool.map(part, starts)
-        if progress:
-            from tqdm import tqdm
-
-            parts = tqdm(parts, total=len(starts), desc="sky", unit="part", file=sys.stderr)
-        means, squares = zip(*parts, strict=True)
+        bar, done = Bar(), []
+        for each in pool.map(part, starts):
+            done.append(each)
+            if progress:
+                bar.show("sky", len(done) / len(starts))
+        bar.close()
+        means, squares = zip(*done, strict=True)
     mean, square = np.concatenate(means, axis=1)[1:], np.concatenate(squares)
     return mean, np.maximum(square - mean.sum(axis=0) ** 2, 0.0) / max(ways - 1, 1)
 
