@@ -8,21 +8,24 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from typing import NoReturn
 
-from .commands import (
-    apply,
-    batch,
-    chart,
-    evaluate,
-    irradiance,
-    library,
-    matrix,
-    picture,
-    render,
-    sky,
-)
 from .errors import InputError
+
+COMMANDS = (
+    "matrix",
+    "library",
+    "sky",
+    "irradiance",
+    "picture",
+    "evaluate",
+    "chart",
+    "apply",
+    "render",
+    "batch",
+)
+"""Names of the commands and of their modules."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -34,7 +37,8 @@ class _Parser(argparse.ArgumentParser):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; ``arguments`` as in ``sys.argv[1:]``. Returns the exit code."""
-    parser = _parser()
+    arguments = sys.argv[1:] if arguments is None else arguments
+    parser = _parser(arguments)
     try:
         options = parser.parse_args(arguments)
     except SystemExit as stop:  # --help, wrong usage
@@ -53,12 +57,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
+    """Return the parser of the command that is asked for, or of all where none is."""
+    first = next(iter(arguments), "")
     parser = _Parser(
         prog="spectral-skylight", description="Spectrally correct colours under skies."
     )
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    of_numbers = (matrix, library, sky, irradiance, picture, evaluate, chart)
-    for command in (*of_numbers, apply, render, batch):
-        command.add(commands)
+    for name in [first] if first in COMMANDS else COMMANDS:
+        import_module(f".commands.{name}", __package__).add(commands)
     return parser

@@ -11,7 +11,8 @@ from spectral_skylight.addon import cli
 from spectral_skylight.addon.scene.files import blend_file
 from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.scene.materials.assigned import assigned
-from spectral_skylight.addon.sky.panorama import directions, write_panorama
+from spectral_skylight.addon.sky.lat_long import directions
+from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.tests import exr
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]

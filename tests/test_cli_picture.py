@@ -8,7 +8,8 @@ from spectral_skylight.addon.pictures import curve as curves
 from spectral_skylight.addon.pictures import sky_map
 from spectral_skylight.addon.pictures.sheet import sheet
 from spectral_skylight.addon.pictures.theme import DARK, LIGHT
-from spectral_skylight.addon.sky.panorama import directions, write_panorama
+from spectral_skylight.addon.sky.lat_long import directions
+from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.tests.pictures.reading import read_png
 
 

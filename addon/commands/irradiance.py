@@ -7,7 +7,7 @@ import json
 from typing import Any
 
 from ..errors import InputError
-from .arguments import white_or_auto
+from .arguments import use_one_thread, white_or_auto
 
 
 def add(commands: Any) -> None:
@@ -31,10 +31,9 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Write the irradiance map; print the fit."""
+    use_one_thread()
     import numpy as np
 
-    from ..pictures.png_file import write_png
-    from ..pictures.sky_map import marked
     from ..scene.files.exr_decoder import read_sky
     from ..sky.irradiance import irradiance_map
     from ..sky.light import analyse
@@ -52,6 +51,9 @@ def run(options: argparse.Namespace) -> None:
         light = analyse(panorama, options.degree)
     write_panorama(options.out, irradiance_map(light.sky, options.width))
     if options.map is not None:
+        from ..pictures.png_file import write_png
+        from ..pictures.sky_map import marked
+
         write_png(options.map, marked(light.outside, panorama.rgb))
     report = light.report()
     notes = [*report["notes"], note] if note else report["notes"]

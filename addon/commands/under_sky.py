@@ -45,8 +45,6 @@ def choose(options: argparse.Namespace, reflectances: Any) -> UnderSky:
     """
     import numpy as np
 
-    from ..scene.files.exr_decoder import read_sky
-    from ..sky.light import analyse
     from ..spectra.sensitivities import camera, observer
     from ..spectra.working_spaces import rec709_to_working
     from ..transfer.choice import choose_with
@@ -62,6 +60,9 @@ def choose(options: argparse.Namespace, reflectances: Any) -> UnderSky:
         lights = np.array([options.sky_rgb])
         known = KnownLight(lights, elevation)
     elif options.sky is not None:
+        from ..scene.files.exr_decoder import read_sky
+        from ..sky.light import analyse
+
         S_in = observer() if options.camera is None else camera(options.camera)
         if isinstance(white, tuple):
             S_in = S_in / np.array(white)[:, None]

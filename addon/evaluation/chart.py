@@ -17,9 +17,9 @@ from tqdm import tqdm
 
 from ..sky.atmosphere import Atmosphere
 from ..sky.clear_sky import picture
-from ..sky.panorama import LUMINANCE
 from ..sky.simulation import simulate
 from ..spectra.sensitivities import observer
+from ..spectra.working_spaces import LUMINANCE
 from ..transfer.measures import delta_E, relative_error
 from .day import ROWS, face_weights
 from .evaluation import Errors, errors_of

@@ -11,8 +11,8 @@ from tqdm import tqdm
 
 from ..errors import InputError
 from ..sky.clear_sky import picture
+from ..sky.lat_long import directions, solid_angles
 from ..sky.light import FACES
-from ..sky.panorama import directions, solid_angles
 from ..sky.simulation import simulate
 from ..sky.sun_position import sun_position
 

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-from ..sky.panorama import LUMINANCE
 from ..spectra.sensitivities import observer
+from ..spectra.working_spaces import LUMINANCE
 from ..transfer.measures import delta_E, relative_error
 from .methods import BEST, METHODS, TODAY, Method, Sky, estimate, true_colours, with_basis
 

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from ..sky.dome import dome as suns
 from ..sky.irradiance import exact_irradiance, fit_coefficients, irradiance_map
+from ..sky.lat_long import directions, solid_angles
 from ..sky.light import FACES
-from ..sky.panorama import directions, solid_angles
 from ..sky.polynomial import exponents, monomials
 
 LIVE = "24 suns, live"

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..sky.panorama import LUMINANCE
 from ..sky.sky_classification import FOREIGN, GROUND, KINDS, SKY, SUN, Outside, blocks
 from ..sky.sun import Sun
+from ..spectra.sorting import median
+from ..spectra.working_spaces import LUMINANCE
 from .canvas import Canvas
 from .theme import DARK, Theme
 
@@ -42,7 +43,7 @@ def marked(found: Outside, sky: ArrayLike) -> NDArray[np.uint8]:
     """
     rgb = blocks(sky)
     luminance = np.maximum(rgb @ LUMINANCE, 0.0)
-    middle = np.median(luminance[luminance > 0.0]) if luminance.any() else 1.0
+    middle = median(luminance[luminance > 0.0]) if luminance.any() else 1.0
     # Reinhard's curve, the median at middle grey.
     scale = 1.0 / (luminance + 4.0 * middle)
     shown = np.clip(rgb * scale[..., None], 0.0, 1.0) ** (1.0 / 2.2)

@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..spectra.working_spaces import LUMINANCE
 from .irradiance import spread
-from .panorama import LUMINANCE, directions, solid_angles
+from .lat_long import directions, solid_angles
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .panorama import Panorama, solid_angles
+from ..spectra.sorting import median
+from .lat_long import solid_angles
+from .panorama import Panorama
 
 _FLAT = 0.005
 """Part of the sphere that may be flat white: the largest spot that can be the sun (radius 5°) is
@@ -40,6 +42,6 @@ def flat_white(rgb: NDArray[np.float32]) -> float:
     flat = (rgb >= 0.99 * top).all(axis=2)
     upper = rgb[: height // 2][~flat[: height // 2]]
     upper = upper[(upper > 0.0).all(axis=1)]
-    if not len(upper) or np.median(np.abs(np.log(upper[:, 2] / upper[:, 0]))) < _COLOURED:
+    if not len(upper) or median(np.abs(np.log(upper[:, 2] / upper[:, 0]))) < _COLOURED:
         return 0.0
     return float(flat.sum(axis=1) @ solid_angles(height, width)) / (4.0 * np.pi)

@@ -1,4 +1,4 @@
-"""Skies as lat-long panoramas: reading, checking, writing, and where each pixel looks."""
+"""Skies as lat-long panoramas: reading, checking, writing."""
 
 from __future__ import annotations
 
@@ -18,9 +18,6 @@ from .exr_writer import write_exr
 from .file_claims import check_shape, regular_size
 from .header_notes import said_by
 from .radiance_hdr import read_radiance
-
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-"""Luminance weights of linear Rec.709 (ITU-R BT.709-6)."""
 
 LARGEST_HALF = 65504.0
 """What infinite light is set to, unless there is more in the same sky: half floats end here."""
@@ -239,24 +236,3 @@ def write_spectral(
     }
     attributes = {"spectralLayoutVersion": "1.0", "emissiveUnits": "W.m^-2.sr^-1"}
     write_exr(Path(path), channels, attributes)
-
-
-def directions(height: int, width: int) -> NDArray[np.float64]:
-    """Return where the pixels' centres look in Blender's world, unit vectors (h, w, 3).
-
-    Row 0 is at the zenith; azimuth runs from +180° at the left edge through 0° (+x, east) in the
-    middle to -180°, as Blender's equirectangular mapping has it.
-    """
-    elevation = (0.5 - (np.arange(height) + 0.5) / height) * np.pi
-    azimuth = (0.5 - (np.arange(width) + 0.5) / width) * 2.0 * np.pi
-    result = np.empty((height, width, 3))
-    result[..., 0] = np.cos(elevation)[:, None] * np.cos(azimuth)
-    result[..., 1] = np.cos(elevation)[:, None] * np.sin(azimuth)
-    result[..., 2] = np.sin(elevation)[:, None]
-    return result
-
-
-def solid_angles(height: int, width: int) -> NDArray[np.float64]:
-    """Return the exact solid angle of one pixel in each row, (h,) [sr]; all sum to 4 pi / w."""
-    edges = np.sin((0.5 - np.arange(height + 1) / height) * np.pi)
-    return -np.diff(edges) * (2.0 * np.pi / width)

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..spectra.daylight_locus import is_off_daylight_locus
+from ..spectra.working_spaces import LUMINANCE
 from .irradiance import exact_irradiance
-from .panorama import LUMINANCE, directions
+from .lat_long import directions
 from .sun import Sun
 
 KINDS = ("sky", "sun", "ground", "foreign")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..spectra.sorting import distinct
+
 
 def spots(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
     """Return for each pixel that is set in a mask (h, w) which spot it belongs to, (k,).
@@ -30,4 +32,4 @@ def spots(mask: NDArray[np.bool_]) -> NDArray[np.intp]:
         for pixel in (number[a], number[b], a, b):
             np.minimum.at(number, pixel, least)
         number = number[number]
-    return np.unique(number, return_inverse=True)[1]
+    return distinct(number)[2]

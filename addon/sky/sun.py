@@ -7,7 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .panorama import LUMINANCE, solid_angles
+from ..spectra.sorting import median
+from ..spectra.working_spaces import LUMINANCE
+from .lat_long import solid_angles
 from .spots import spots
 
 _SUN = np.pi * np.radians(0.2666) ** 2
@@ -126,7 +128,7 @@ def _measure(
     rows, columns = _window(middle, ring, height)
     away = _angle(_towards(rows, columns, height), middle)
     surroundings = rgb[rows[away > disc], columns[away > disc]]
-    fill = np.median(surroundings, axis=0)
+    fill = median(surroundings)
     rows, columns = rows[away <= disc], columns[away <= disc]
     pixels = rgb[rows, columns].astype(np.float64)
     excess = (pixels - fill) * solid_angle[rows, None]
@@ -204,7 +206,7 @@ def _window(middle: NDArray[np.float64], radius: float, height: int) -> _Pixels:
 
 
 def _towards(rows: NDArray[np.intp], columns: NDArray[np.intp], height: int) -> NDArray[np.float64]:
-    """Return where some pixels look, (k, 3), as `panorama.directions` does for all."""
+    """Return where some pixels look, (k, 3), as `lat_long.directions` does for all."""
     elevation = (0.5 - (rows + 0.5) / height) * np.pi
     azimuth = (0.5 - (columns + 0.5) / (2 * height)) * 2.0 * np.pi
     level = np.cos(elevation)

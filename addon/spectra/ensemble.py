@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError
 from .grid import WEIGHTS
 from .sensitivities import cmfs
+from .sorting import distinct
 
 TABLE = Path(__file__).with_name("ensemble.npz")
 """What `sky.daylight_ensemble` wrote."""
@@ -146,7 +147,7 @@ class Ensemble:
     ) -> NDArray[np.float64]:
         """Return how much each member counts (m,) before its colour is looked at."""
         elevations = self.elevations.astype(float)
-        nodes, place = np.unique(elevations, return_inverse=True)
+        nodes, _, place = distinct(elevations)
         weights = np.gradient(nodes)[place] * shares
         if sun_elevation is None:
             start, softness, rest = _DAY

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .pchip import pchip
+from .sorting import distinct, median
 
 STEP = 5.0
 """Distance between nodes [nm]."""
@@ -40,7 +41,7 @@ def band_average(wavelengths: ArrayLike, values: ArrayLike) -> NDArray[np.float6
     """
     x = np.asarray(wavelengths, dtype=float)
     y = np.asarray(values, dtype=float)
-    fine = np.union1d(x, WAVELENGTHS)
+    fine = distinct(np.concatenate([x, WAVELENGTHS]))[0]
     fine = fine[(fine >= WAVELENGTHS[0]) & (fine <= WAVELENGTHS[-1])]
     curves = np.stack([np.interp(fine, x, column) for column in np.atleast_2d(y.T)], axis=1)
     # Between fine nodes both hat and curve are straight: their product integrates exactly to
@@ -75,6 +76,6 @@ def resample(wavelengths: ArrayLike, values: ArrayLike) -> NDArray[np.float64]:
     x = np.asarray(wavelengths, dtype=float)
     y = np.asarray(values, dtype=float)
     inside = (x >= WAVELENGTHS[0]) & (x <= WAVELENGTHS[-1])
-    if np.median(np.diff(x[inside] if inside.sum() > 1 else x)) < STEP / 2:
+    if median(np.diff(x[inside] if inside.sum() > 1 else x)) < STEP / 2:
         return band_average(x, y)
     return pchip(x, y, np.clip(WAVELENGTHS, x[0], x[-1])).T

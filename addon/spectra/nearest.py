@@ -8,6 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .sorting import distinct
+
 _AT_ONCE = 16
 """Places: their distances to thousands of points stay in the processor's cache."""
 
@@ -50,7 +52,7 @@ def are_farther(
         side = part * limit
         cells = np.clip(np.floor(places[open_] / side), -_FAR, _FAR).astype(np.int64)
         keys = cells[:, 0] * (4 * _FAR) + cells[:, 1]
-        _, first, cell = np.unique(keys, return_index=True, return_inverse=True)
+        _, first, cell = distinct(keys)
         distance = second_nearest((cells[first] + 0.5) * side, points)
         # A place is half a diagonal from the middle at most, and a bit for rounding.
         sure = np.abs(distance - limit) > 0.708 * side

@@ -24,6 +24,9 @@ ITU-R BT.709-6, ITU-R BT.2020-2, and AP1 of ACES (S-2014-004).
 
 DEFAULT_SPACE = "Linear Rec.709"
 
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""Luminance weights of linear Rec.709 (ITU-R BT.709-6)."""
+
 _BRADFORD = np.array(
     [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]]
 )

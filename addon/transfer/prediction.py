@@ -19,7 +19,6 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..sky.simulation import LOWEST_SUN
 from ..spectra.cielab import delta_E_2000
 from ..spectra.daylight_locus import LIMIT, locus_distance
 from ..spectra.ensemble import shipped
@@ -148,8 +147,9 @@ def rgb_albedo(reflectances: ArrayLike, space: str = DEFAULT_SPACE) -> NDArray[n
 def _unknown(transfer: Transfer, lights: NDArray, sun_elevation: float | None) -> str:
     if not len(lights):
         return "the sky is dark"
-    if sun_elevation is not None and sun_elevation < LOWEST_SUN:
-        return f"the sun is under {LOWEST_SUN:g}°"
+    lowest = shipped().elevations.min()
+    if sun_elevation is not None and sun_elevation < lowest:
+        return f"the sun is under {lowest:g}°"
     away = locus_distance(transfer.unbalanced(lights), transfer.S_in, sun_elevation).max()
     if away > LIMIT:
         return f"its light has no colour of skylight (off by {away:.3f} in u'v')"

@@ -11,16 +11,19 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..sky.light import SkyLight
-from ..sky.sun import Sun
 from ..spectra.colorchecker import colorchecker
 from ..spectra.ensemble import shipped
 from .matrices import Transfer, check_white
 from .measures import delta_E
+
+if TYPE_CHECKING:
+    from ..sky.light import SkyLight
+    from ..sky.sun import Sun
 
 _SKY, _SUN = 0.05, 0.1
 """How far the colours of photographed skies and suns stray beside those of the ensemble (standard

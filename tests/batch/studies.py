@@ -7,7 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from spectral_skylight.addon.sky.panorama import directions, write_panorama
+from spectral_skylight.addon.sky.lat_long import directions
+from spectral_skylight.addon.sky.panorama import write_panorama
 
 WALL = "material,reflectance\nWall,paint.csv:red\n"
 GREY = "material,reflectance\nWall,paint.csv:grey\n"

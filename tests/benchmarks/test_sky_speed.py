@@ -4,12 +4,8 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon.sky.irradiance import exact_irradiance, fit_coefficients
-from spectral_skylight.addon.sky.panorama import (
-    directions,
-    from_pixels,
-    read_panorama,
-    write_panorama,
-)
+from spectral_skylight.addon.sky.lat_long import directions
+from spectral_skylight.addon.sky.panorama import from_pixels, read_panorama, write_panorama
 from spectral_skylight.addon.sky.sun import separate_sun
 
 

@@ -14,7 +14,7 @@ from spectral_skylight.addon.evaluation.light_methods import (
     street,
 )
 from spectral_skylight.addon.sky.irradiance import exact_irradiance
-from spectral_skylight.addon.sky.panorama import directions
+from spectral_skylight.addon.sky.lat_long import directions
 from spectral_skylight.addon.sky.polynomial import evaluate_polynomial, monomials
 
 RNG = np.random.default_rng(5)

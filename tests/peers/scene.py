@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from spectral_skylight.addon.sky.irradiance import exact_irradiance
-from spectral_skylight.addon.sky.panorama import directions
+from spectral_skylight.addon.sky.lat_long import directions
 from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.sensitivities import observer

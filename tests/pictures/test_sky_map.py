@@ -5,8 +5,8 @@ import pytest
 
 from spectral_skylight.addon.pictures import sky_map as maps
 from spectral_skylight.addon.pictures.sky_map import MARKS, marked, sky_map
+from spectral_skylight.addon.sky.lat_long import directions
 from spectral_skylight.addon.sky.light import FACES
-from spectral_skylight.addon.sky.panorama import directions
 from spectral_skylight.addon.sky.sky_classification import FOREIGN, GROUND, SKY, SUN, outside
 from spectral_skylight.addon.sky.sun import Sun
 from spectral_skylight.addon.spectra.bases import rayleigh

@@ -16,8 +16,9 @@ from spectral_skylight.addon.scene.world import capture, panorama, sky_texture
 from spectral_skylight.addon.scene.world import hdri as worlds
 from spectral_skylight.addon.scene.world.settings import stored
 from spectral_skylight.addon.sky.irradiance import exact_irradiance
+from spectral_skylight.addon.sky.lat_long import directions
 from spectral_skylight.addon.sky.light import FACES
-from spectral_skylight.addon.sky.panorama import directions, write_panorama
+from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.addon.sky.polynomial import evaluate_polynomial
 from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.tests import exr, faces

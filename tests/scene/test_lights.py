@@ -14,7 +14,8 @@ from spectral_skylight.addon.scene.materials import base_color, spectral_materia
 from spectral_skylight.addon.scene.output import render as renders
 from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.addon.scene.world.settings import Settings
-from spectral_skylight.addon.sky.panorama import directions, write_panorama
+from spectral_skylight.addon.sky.lat_long import directions
+from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.tests import exr

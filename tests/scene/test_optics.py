@@ -12,7 +12,8 @@ from spectral_skylight.addon.scene.materials import (
     spectral_material,
 )
 from spectral_skylight.addon.scene.world.settings import Settings
-from spectral_skylight.addon.sky.panorama import directions, write_panorama
+from spectral_skylight.addon.sky.lat_long import directions
+from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.addon.transfer.metals import tints

@@ -11,12 +11,13 @@ from spectral_skylight.addon.sky.atmosphere import Atmosphere
 from spectral_skylight.addon.sky.clear_sky import SCALE, picture
 from spectral_skylight.addon.sky.direct_sun import direct_sunlight, restored_sun
 from spectral_skylight.addon.sky.light import analyse
-from spectral_skylight.addon.sky.panorama import LUMINANCE, Panorama, read_panorama
+from spectral_skylight.addon.sky.panorama import Panorama, read_panorama
 from spectral_skylight.addon.sky.simulation import Quality, simulate
 from spectral_skylight.addon.spectra.ensemble import uv
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS, WEIGHTS, band_average
 from spectral_skylight.addon.spectra.sensitivities import camera, cmfs, observer
 from spectral_skylight.addon.spectra.sunlight import extraterrestrial_sunlight
+from spectral_skylight.addon.spectra.working_spaces import LUMINANCE
 
 S = observer()
 QUALITY = Quality(once=(24, 13), more=(12, 9), ways=128, shells=30)

@@ -5,7 +5,7 @@ import pytest
 
 from spectral_skylight.addon.sky import harmonics
 from spectral_skylight.addon.sky.irradiance import spread
-from spectral_skylight.addon.sky.panorama import directions
+from spectral_skylight.addon.sky.lat_long import directions
 
 
 def test_harmonics_are_orthonormal():

@@ -12,7 +12,8 @@ from spectral_skylight.addon.sky.irradiance import (
     fit_coefficients,
     irradiance_map,
 )
-from spectral_skylight.addon.sky.panorama import directions, read_panorama, solid_angles
+from spectral_skylight.addon.sky.lat_long import directions, solid_angles
+from spectral_skylight.addon.sky.panorama import read_panorama
 from spectral_skylight.addon.sky.polynomial import (
     EXPONENTS,
     evaluate_polynomial,

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon import cli
+from spectral_skylight.addon.sky.lat_long import directions
 from spectral_skylight.addon.sky.light import FACES, analyse
-from spectral_skylight.addon.sky.panorama import LUMINANCE, directions, from_pixels, read_panorama
+from spectral_skylight.addon.sky.panorama import from_pixels, read_panorama
 from spectral_skylight.addon.sky.sky_classification import (
     FOREIGN,
     GROUND,
@@ -19,6 +20,7 @@ from spectral_skylight.addon.sky.sky_classification import (
 )
 from spectral_skylight.addon.spectra.bases import rayleigh
 from spectral_skylight.addon.spectra.sensitivities import camera, observer
+from spectral_skylight.addon.spectra.working_spaces import LUMINANCE
 from spectral_skylight.tests.pictures.reading import read_png
 
 HEIGHT = 64

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.sky import panorama
+from spectral_skylight.addon.sky import lat_long, panorama
 from spectral_skylight.addon.sky.panorama import from_pixels, read_panorama, write_panorama
 from spectral_skylight.tests import exr
 
@@ -299,8 +299,8 @@ def test_spectral_layout(tmp_path):
 
 def test_directions_and_solid_angles():
     height, width = 32, 64
-    to = panorama.directions(height, width)
-    solid = panorama.solid_angles(height, width)
+    to = lat_long.directions(height, width)
+    solid = lat_long.solid_angles(height, width)
     # Rounding only: both are closed forms.
     assert solid.sum() * width == pytest.approx(4 * np.pi, rel=1e-14)
     np.testing.assert_allclose(np.linalg.norm(to, axis=2), 1, rtol=1e-14)

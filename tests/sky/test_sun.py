@@ -6,13 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from spectral_skylight.addon.sky.irradiance import exact_irradiance
-from spectral_skylight.addon.sky.panorama import (
-    LUMINANCE,
-    directions,
-    read_panorama,
-    solid_angles,
-)
+from spectral_skylight.addon.sky.lat_long import directions, solid_angles
+from spectral_skylight.addon.sky.panorama import read_panorama
 from spectral_skylight.addon.sky.sun import separate_sun
+from spectral_skylight.addon.spectra.working_spaces import LUMINANCE
 
 HEIGHT = 256
 PITCH = 180.0 / HEIGHT

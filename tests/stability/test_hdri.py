@@ -6,18 +6,13 @@ import pytest
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.sky.clear_sky import picture
 from spectral_skylight.addon.sky.irradiance import exact_irradiance
+from spectral_skylight.addon.sky.lat_long import directions
 from spectral_skylight.addon.sky.light import analyse
-from spectral_skylight.addon.sky.panorama import (
-    LUMINANCE,
-    directions,
-    from_pixels,
-    read_panorama,
-    write_panorama,
-)
+from spectral_skylight.addon.sky.panorama import from_pixels, read_panorama, write_panorama
 from spectral_skylight.addon.sky.sky_classification import FOREIGN
 from spectral_skylight.addon.sky.sun import separate_sun
 from spectral_skylight.addon.spectra.daylight_locus import LIMIT, locus_distance
-from spectral_skylight.addon.spectra.working_spaces import rec709_to_working
+from spectral_skylight.addon.spectra.working_spaces import LUMINANCE, rec709_to_working
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.addon.transfer.white import estimate_white

@@ -5,8 +5,9 @@ import pytest
 
 from spectral_skylight.addon.sky.clear_sky import picture
 from spectral_skylight.addon.sky.irradiance import exact_irradiance
+from spectral_skylight.addon.sky.lat_long import directions
 from spectral_skylight.addon.sky.light import FACES, analyse
-from spectral_skylight.addon.sky.panorama import directions, from_pixels
+from spectral_skylight.addon.sky.panorama import from_pixels
 from spectral_skylight.addon.sky.sky_classification import FOREIGN, outside
 from spectral_skylight.addon.spectra.daylight_locus import LIMIT, locus_distance
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS

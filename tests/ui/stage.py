@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon.scene.materials import spectral_material
-from spectral_skylight.addon.sky.panorama import directions, write_panorama
+from spectral_skylight.addon.sky.lat_long import directions
+from spectral_skylight.addon.sky.panorama import write_panorama
 
 BRICK = "wavelength_nm,brick,moss\n" + "".join(
     f"{nm},{0.05 + 0.4 * (nm > 580):.3f},{0.1 + 0.2 * (500 < nm < 580):.3f}\n"

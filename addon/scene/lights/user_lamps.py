@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from ....node_groups import light_probe
 from ....node_groups.drivers import drive
 from ... import tags
-from ...sky.panorama import LUMINANCE
-from ...spectra.working_spaces import rec709_to_working
+from ...spectra.working_spaces import LUMINANCE, rec709_to_working
 from ...transfer.lamps import Classes, classes, lamp_spectrum
 from ...transfer.matrices import Transfer
 from ...transfer.prefilter import balanced_rgb

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...sky.panorama import LUMINANCE
+from ...spectra.working_spaces import LUMINANCE
 from ..blend_data import fingerprint, nodes, working_space
 from ..files.exr_decoder import decode_by_blender
 from . import diffuse_copy, sky_texture
