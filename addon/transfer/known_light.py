@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..sky.light import SkyLight
+if TYPE_CHECKING:
+    from ..sky.light import SkyLight
 
 UNKNOWN_WHITE = "the sky looks white-balanced, and its neutral light is not given"
 """A doubt: see `transfer.white`."""
