@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 from typing import IO, Any
 
-from .progress import STATUS
+from .run_status import STATUS
 
 
 class Background:

@@ -13,6 +13,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from ..choices import (
+    BAKED,
+    BASIS,
+    ENGINES,
+    GROUNDS,
+    OCCLUSIONS,
+    QUALITIES,
+    default,
+    listed,
+    offered_bases,
+)
 from ..errors import InputError
 from ..transfer.assignment import Assignment
 from ..transfer.assignment_table import read_table
@@ -24,19 +35,19 @@ KEYS = {
     "cameras": 'names, or "all"',
     "skies": "HDRI files, or tables",
     "variants": "tables with name and assign",
-    "engine": "eevee or cycles",
+    "engine": listed(ENGINES),
     "samples": "of each pixel",
     "resolution": "[width, height]",
     "frames": "numbers; the scene's current one",
     "white": "[R, G, B] or auto, as of apply",
     "sun": "whether HDRIs' suns shine; true",
-    "ground": "auto, hdri, modelled or none",
-    "occlusion": "open, dome or baked",
+    "ground": listed(GROUNDS),
+    "occlusion": listed(OCCLUSIONS),
     "bounce": "whether a bake holds one bounce",
     "gloss": "whether materials keep gloss",
-    "basis": "of skylight; atmosphere",
+    "basis": f"{listed(offered_bases())}; {BASIS}",
     "tolerance": "CIEDE2000",
-    "quality": "of simulated skies: preview or reference",
+    "quality": f"of simulated skies: {listed(QUALITIES)}",
     "sky_width": "of simulated skies [pixels]; 1024",
 }
 SKY_KEYS = ("file", "name", "date", "times", "latitude", "longitude", "timezone", "north")
@@ -118,10 +129,10 @@ def read_study(path: str | Path) -> Study:
         skies=_skies(table, here),
         variants=_variants(table, here),
         frames=None if frames is None else _once(table, "frames", frames),
-        engine=table.choice("engine", ("eevee", "cycles"), None),
+        engine=table.choice("engine", ENGINES, None),
         samples=table.whole("samples", 1, 1 << 24, None),
         resolution=None if resolution is None else (resolution[0], resolution[1]),
-        quality=table.choice("quality", ("preview", "reference"), "preview"),
+        quality=table.choice("quality", QUALITIES, default(QUALITIES)),
         sky_width=table.whole("sky_width", 8, 8192, 1024),
         settings=_settings(table),
     )
@@ -147,14 +158,14 @@ def _settings(table: Table) -> dict[str, Any]:
     found = {
         "white": white,
         "sun": table.switch("sun", True),
-        "ground": table.choice("ground", ("auto", "hdri", "modelled", "none"), "auto"),
-        "occlusion": table.choice("occlusion", ("open", "dome", "baked"), "open"),
+        "ground": table.choice("ground", GROUNDS, default(GROUNDS)),
+        "occlusion": table.choice("occlusion", OCCLUSIONS, default(OCCLUSIONS)),
         "bounce": table.switch("bounce", False),
         "gloss": table.switch("gloss", False),
-        "basis": table.text("basis", "atmosphere"),
+        "basis": table.text("basis", BASIS),
         "tolerance": table.number("tolerance", 1e-6, 100.0, None),
     }
-    if found["bounce"] and found["occlusion"] != "baked":
+    if found["bounce"] and found["occlusion"] != BAKED:
         table.wrong("bounce", 'is part of a bake: add occlusion = "baked"')
     return found
 

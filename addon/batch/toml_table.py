@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NoReturn
 
+from ..choices import listed
 from ..errors import InputError
 
 _MISSING: Any = object()
@@ -40,7 +41,7 @@ class Table:
         """Return one of some words."""
         value = self.values.get(key, default)
         if value is _MISSING or (value is not default and value not in list(choices)):
-            self.wrong(key, f"choose {' or '.join(choices)}")
+            self.wrong(key, f"choose {listed(choices)}")
         return value
 
     def number(self, key: str, low: float, high: float, default: Any = _MISSING) -> Any:

@@ -6,6 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..choices import BAKED, GROUNDS, OCCLUSIONS, default, described
 from ..errors import InputError
 from .arguments import add_matrix_options, basis_name
 from .progress_bar import run_with_bar
@@ -77,7 +78,7 @@ def add(commands: Any) -> None:
         help="a material with a reflectance is lit through a glazing of this transmittance alone",
     )
     add_matrix_options(parser)
-    parser.add_argument("--space", help="checked against the file's working space")
+    parser.add_argument("--space", metavar="NAME", help="checked against the file's working space")
     parser.add_argument(
         "--no-sun", action="store_true", help="leave the HDRI's sun off the materials"
     )
@@ -91,15 +92,15 @@ def add(commands: Any) -> None:
     )
     parser.add_argument(
         "--ground",
-        choices=("auto", "hdri", "modelled", "none"),
-        default="auto",
-        help="light from below: modelled where geometry lies under the materials (auto)",
+        choices=tuple(GROUNDS),
+        default=default(GROUNDS),
+        help=f"light from below. {described(GROUNDS)}",
     )
     parser.add_argument(
         "--occlusion",
-        choices=("open", "dome", "baked"),
-        default="open",
-        help="shadows of the sky: none, live in Eevee, or baked",
+        choices=tuple(OCCLUSIONS),
+        default=default(OCCLUSIONS),
+        help=f"shadows of the sky. {described(OCCLUSIONS)}",
     )
     parser.add_argument(
         "--bounce",
@@ -122,7 +123,7 @@ def _assignment(text: str) -> tuple[str, str]:
 
 def _settings(options: argparse.Namespace) -> Any:
     """Return the `scene.settings.Settings` of the options; a white to be found is left open."""
-    from ..scene.world.settings import BAKED, Settings
+    from ..scene.world.settings import Settings
     from ..transfer.white import AUTO
 
     if options.bounce and options.occlusion != BAKED:

@@ -7,6 +7,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+from ..choices import BASIS, SIMPLEST, UNITS, described, offered_bases
 from ..errors import InputError
 
 
@@ -74,7 +75,7 @@ def positive(text: str) -> float:
 
 def basis_name(options: argparse.Namespace) -> str:
     """Return the basis that was asked for, or the one that its absence stands for."""
-    return str(options.basis or ("atmosphere" if options.tolerance is None else "simplest"))
+    return str(options.basis or (BASIS if options.tolerance is None else SIMPLEST))
 
 
 def white_or_auto(text: str) -> tuple[float, float, float] | str:
@@ -87,8 +88,8 @@ def add_matrix_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--basis",
         metavar="NAME",
-        help="atmosphere (the default), rayleigh, daylight, 'measured FILE.csv', or simplest: of "
-        "rayleigh and atmosphere the first that keeps to the tolerance (the default with one)",
+        help=f"{described(offered_bases())}; measured FILE.csv: that of measured spectra. "
+        f"Default: {BASIS}, with a tolerance {SIMPLEST}",
     )
     parser.add_argument(
         "--tolerance",
@@ -108,4 +109,9 @@ def add_matrix_options(parser: argparse.ArgumentParser) -> None:
         metavar="R,G,B|auto",
         help="neutral light before white balance; auto: estimated from the sky",
     )
-    parser.add_argument("--unit", choices=("percent", "fraction"), help="of the reflectances")
+    add_unit(parser)
+
+
+def add_unit(parser: argparse.ArgumentParser) -> None:
+    """Add the unit that reflectances are in where their file does not say."""
+    parser.add_argument("--unit", choices=tuple(UNITS), help="of the reflectances")

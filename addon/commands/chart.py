@@ -8,7 +8,7 @@ import sys
 from typing import Any
 
 from ..errors import InputError
-from .arguments import chosen_reflectances, folder
+from .arguments import add_unit, chosen_reflectances, folder
 
 
 def add(commands: Any) -> None:
@@ -25,7 +25,7 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--reflectances", nargs="+", metavar="FILE.csv", help="default: the ColorChecker"
     )
-    parser.add_argument("--unit", choices=("percent", "fraction"), help="of the reflectances")
+    add_unit(parser)
     parser.add_argument(
         "--basis", nargs="+", default=[], metavar="NAME", help="further ones: 'measured FILE.csv'"
     )

@@ -7,8 +7,9 @@ import json
 import sys
 from typing import Any
 
+from ..choices import BASES, BASIS
 from ..errors import InputError
-from .arguments import chosen_reflectances, folder, positive
+from .arguments import add_unit, chosen_reflectances, folder, positive
 
 
 def add(commands: Any) -> None:
@@ -44,10 +45,8 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--reflectances", nargs="+", metavar="FILE.csv", help="default: the ColorChecker"
     )
-    parser.add_argument("--unit", choices=("percent", "fraction"), help="of the reflectances")
-    parser.add_argument(
-        "--basis", nargs="+", metavar="NAME", help="default: rayleigh daylight atmosphere"
-    )
+    add_unit(parser)
+    parser.add_argument("--basis", nargs="+", metavar="NAME", help=f"default: {' '.join(BASES)}")
     parser.add_argument("--date", default="2025-03-20", metavar="YYYY-MM-DD")
     parser.add_argument("--latitude", type=float, default=35.68, metavar="DEG", help="of the day")
     parser.add_argument("--longitude", type=float, default=139.77, metavar="DEG")
@@ -73,7 +72,7 @@ def run(options: argparse.Namespace) -> None:
     if not options.predicted:
         # Before colour-science is imported, which puts a dummy where matplotlib is missing.
         new_figure(1.0, 1.0)
-    bases = options.basis or ["rayleigh", "daylight", "atmosphere"]
+    bases = options.basis or list(BASES)
     names, values = chosen_reflectances(options)
     if options.predicted:
         _print_predicted(options, values)
@@ -131,7 +130,7 @@ def _print_predicted(options: argparse.Namespace, rho: Any) -> None:
         raise InputError("--predicted", "there is no measured light", "give --daylight FILE.csv")
     if len(options.basis or []) > 1:
         raise InputError("--basis", "more than one with --predicted", "give one")
-    basis = (options.basis or ["atmosphere"])[0]
+    basis = (options.basis or [BASIS])[0]
     out = None if options.out is None else folder(options.out)
     sites = {}
     for file in options.daylight:

@@ -7,6 +7,7 @@ import json
 import sys
 from typing import Any
 
+from ..choices import ORDERS, default
 from ..errors import InputError
 from .arguments import use_one_thread
 from .progress_bar import run_with_bar
@@ -25,7 +26,7 @@ def add(commands: Any) -> None:
     parser.add_argument(
         "--search", default="", metavar="TEXT", help="only those with all words in name or source"
     )
-    parser.add_argument("--sort", default="name", metavar="name|hue|lightness|source")
+    parser.add_argument("--sort", default=default(ORDERS), metavar="|".join(ORDERS))
     parser.add_argument("--sheet", metavar="PICTURE.png", help="draw swatches of what was found")
     parser.add_argument("--json", action="store_true", help="print JSON")
     add_sky_options(parser)

@@ -6,6 +6,8 @@ import argparse
 import sys
 from typing import Any
 
+from ..choices import ENGINES
+
 
 def add(commands: Any) -> None:
     """Add the command to those of the parser."""
@@ -13,7 +15,7 @@ def add(commands: Any) -> None:
     parser.add_argument("scene", metavar="SCENE.blend")
     parser.add_argument("--out", required=True, metavar="FILE.exr")
     parser.add_argument("--camera", metavar="NAME", help="default: the scene's")
-    parser.add_argument("--engine", choices=("eevee", "cycles"), help="default: the scene's")
+    parser.add_argument("--engine", choices=tuple(ENGINES), help="default: the scene's")
     parser.set_defaults(run=run)
 
 

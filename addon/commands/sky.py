@@ -6,6 +6,7 @@ import argparse
 import sys
 from typing import Any
 
+from ..choices import QUALITIES, default, described
 from ..errors import InputError
 
 
@@ -43,7 +44,12 @@ def add(commands: Any) -> None:
         "--paper", action="store_true", help="the paper's air: λ⁻⁴ alone, nothing absorbs"
     )
     parser.add_argument("--orders", default="all", metavar="N|all", help="scatterings to count")
-    parser.add_argument("--quality", choices=("preview", "reference"), default="preview")
+    parser.add_argument(
+        "--quality",
+        choices=tuple(QUALITIES),
+        default=default(QUALITIES),
+        help=described(QUALITIES),
+    )
     parser.add_argument("--seed", type=int, default=0, help="of the photons' chances")
     parser.add_argument("--width", type=int, default=1024, help="pixels; the height is half of it")
     parser.add_argument("--out", metavar="SKY.exr", help="linear Rec.709; 1 is 10,000 cd/m²")

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
+from ..choices import SPACES, default, listed
 from ..errors import InputError
 from .arguments import add_matrix_options, basis_name, three
 
@@ -19,7 +20,12 @@ def add_sky_options(parser: argparse.ArgumentParser) -> None:
         "--sky-rgb", type=three, metavar="R,G,B", help="the skylight's colour, in the space"
     )
     add_matrix_options(parser)
-    parser.add_argument("--space", default="Linear Rec.709", help="working space of the scene")
+    parser.add_argument(
+        "--space",
+        default=default(SPACES),
+        metavar="NAME",
+        help=f"working space of the scene: {listed(SPACES)}",
+    )
 
 
 @dataclass(frozen=True)

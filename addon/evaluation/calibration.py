@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..choices import BASIS
 from ..spectra.sensitivities import observer
 from ..transfer.choice import FULL, TOLERANCE, choose
 from ..transfer.known_light import KnownLight
@@ -93,7 +94,7 @@ def calibrate(
     reflectances: ArrayLike,
     sun_elevation: ArrayLike | None = None,
     *,
-    basis: str = "atmosphere",
+    basis: str = BASIS,
     camera: str | None = None,
     skies: Sequence[str] | None = None,
     tolerance: float = TOLERANCE,

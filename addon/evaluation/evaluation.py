@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..choices import BASES
 from ..errors import InputError
 from ..spectra.sensitivities import observer
 from ..spectra.working_spaces import LUMINANCE
@@ -43,7 +44,7 @@ class Errors:
 def evaluate(
     lights: ArrayLike,
     reflectances: ArrayLike,
-    bases: Sequence[str] = ("rayleigh", "daylight", "atmosphere"),
+    bases: Sequence[str] = tuple(BASES),
     *,
     sun_elevation: ArrayLike | None = None,
     camera: str | None = None,

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..choices import BASES
 from ..errors import InputError
 from ..spectra import sensitivities
 from ..spectra.ensemble import shipped
@@ -305,9 +306,7 @@ METHODS: dict[str, Method] = {
         # Ward and Eydelberg-Vileshin 2002, DOI 10.2312/EGWR/EGWR02/117-124.
         rgb_times_rgb("prefiltered RGB", _sharp, "spectrum"),
         Method("best diagonal", "3x3", _best_diagonal, ("truth",)),
-        with_basis("rayleigh"),
-        with_basis("daylight"),
-        with_basis("atmosphere"),
+        *map(with_basis, BASES),
         with_basis("atmosphere", "colour"),
         with_basis("atmosphere", "elevation"),
         with_basis("atmosphere", "colour", "elevation"),

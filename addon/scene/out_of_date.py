@@ -7,10 +7,11 @@ import json
 import bpy
 
 from .. import tags
+from ..choices import BAKED
 from ..transfer.assignment import ESTIMATED
 from .bake import scene_bake
 from .materials import base_color, spectral_material
-from .world.settings import BAKED, Settings, stored
+from .world.settings import Settings, stored
 
 
 def colour(material: bpy.types.Material) -> str:

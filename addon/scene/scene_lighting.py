@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..choices import BAKED, DOME
 from ..sky.light import SkyLight
 from ..transfer.matrices import Transfer
 from ..transfer.white import AUTO
@@ -15,7 +16,7 @@ from .bake import interreflection, sky_exposure
 from .lights import lighting, user_lamps
 from .materials import spectral_material
 from .world import hdri as worlds
-from .world.settings import BAKED, DOME, Settings
+from .world.settings import Settings
 
 
 def find(

@@ -16,6 +16,7 @@ import bpy
 import numpy as np
 
 from .. import tags
+from ..choices import BAKED
 from ..errors import InputError
 from ..progress import Progress, mapped, run
 from ..sky.light import SkyLight
@@ -31,7 +32,7 @@ from .materials.record import Result
 from .plan import Assignments
 from .scene_lighting import towards_sun
 from .world import hdri, light_group, panorama
-from .world.settings import BAKED, Settings
+from .world.settings import Settings
 from .write import write
 
 

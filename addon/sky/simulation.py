@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..bar import Bar
+from ..choices import listed
 from ..errors import InputError
 from ..spectra import cache
 from ..spectra.grid import WAVELENGTHS
@@ -158,7 +159,7 @@ def simulate(
         raise InputError("--seed", f"{seed}", "give 0 or more")
     if isinstance(quality, str):
         if quality not in QUALITIES:
-            raise InputError("--quality", f"'{quality}'", f"choose {' or '.join(QUALITIES)}")
+            raise InputError("--quality", f"'{quality}'", f"choose {listed(QUALITIES)}")
         quality = QUALITIES[quality]
     atmosphere = atmosphere or Atmosphere()
     content = {

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..choices import BASES, listed
 from ..errors import InputError
 from .ensemble import shipped
 from .grid import WAVELENGTHS
@@ -16,6 +16,9 @@ from .illuminants import daylight_components
 from .light import read_light
 from .sensitivities import observer
 from .sunlight import extraterrestrial_sunlight
+
+MEASURED = "'measured FILE.csv'"
+"""How the basis of a file of spectra is chosen beside `choices.BASES`."""
 
 REFERENCE_WAVELENGTH = 550.0
 """lambda0 [nm]. It scales the basis functions to one size; the matrices do not depend on it."""
@@ -105,13 +108,6 @@ _DAY = 9.0, 1.0
 """Elevation [degrees] over which it is day, and how softly that begins: under it ozone makes the
 paper's basis wrong, over it little."""
 
-BASES: dict[str, Callable[[], NDArray[np.float64]]] = {
-    "rayleigh": rayleigh,
-    "daylight": daylight,
-    "atmosphere": atmosphere,
-}
-"""The bases by the name that users choose them with; `measured FILE` is one more."""
-
 
 def basis(
     name: str,
@@ -120,7 +116,7 @@ def basis(
     sun_elevation: float | None = None,
     sky_rgb: ArrayLike | None = None,
 ) -> NDArray[np.float64]:
-    """Return a basis (3, 81) by its name: one of `BASES`, or ``measured FILE.csv``.
+    """Return a basis (3, 81) by its name: one of `choices.BASES`, or ``measured FILE.csv``.
 
     The further arguments are those of `atmosphere`, the only one that they change. Raises
     `InputError` for any other name, and as `measured` and `atmosphere` do.
@@ -128,9 +124,7 @@ def basis(
     if name == "atmosphere":
         return atmosphere(S_in, sun_elevation=sun_elevation, sky_rgb=sky_rgb)
     if name in BASES:
-        return BASES[name]()
+        return globals()[name]()  # each is a function of this module, see `choices`
     if found := re.fullmatch(r"measured[ :=]\s*(.+)", name):
         return measured(found[1])
-    raise InputError(
-        "--basis", f"'{name}' is no basis", f"choose {', '.join(BASES)} or 'measured FILE.csv'"
-    )
+    raise InputError("--basis", f"'{name}' is no basis", f"choose {listed([*BASES, MEASURED])}")

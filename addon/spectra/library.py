@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..choices import ORDERS, listed
 from ..errors import InputError
 from ..progress import Progress, run
 from . import cache, formats
@@ -25,8 +26,6 @@ from .curves import NoSpectra
 from .illuminants import D65
 from .reflectance import read_all, reflectance_hash
 from .sensitivities import cmfs
-
-ORDERS = ("name", "hue", "lightness", "source")
 
 NEUTRAL = 5.0
 """Chroma in CIELAB under which a colour has no hue to sort by."""
@@ -103,7 +102,7 @@ class Library:
         Raises `InputError` for another order.
         """
         if by not in ORDERS:
-            raise InputError("--sort", f"'{by}' is no order", f"choose one of {', '.join(ORDERS)}")
+            raise InputError("--sort", f"'{by}' is no order", f"choose {listed(ORDERS)}")
         if by in ("name", "source"):
             keys = self._texts if by == "name" else [source.casefold() for source in self.sources]
             return np.array(sorted(range(len(self)), key=keys.__getitem__), dtype=int)

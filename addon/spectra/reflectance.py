@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ..choices import listed
 from ..errors import InputError
 from . import formats
 from .checks import UNITS, on_grid, percent_columns, reflectances_of
@@ -91,7 +92,7 @@ def read_all(path: str | Path, unit: str | None = None) -> Reflectances:
 def _admitted(table: Table, unit: str | None, column: str | None) -> Reflectances:
     """Return of a table the reflectances, or the one that ``column`` names, that can be used."""
     if unit is not None and unit not in UNITS:
-        raise InputError("--unit", f"'{unit}' is no unit", "choose percent or fraction")
+        raise InputError("--unit", f"'{unit}' is no unit", f"choose {listed(UNITS)}")
     if column is not None:
         table = table.columns([_index(table, column)])
     as_read = dict(zip(table.names, table.said, strict=True))

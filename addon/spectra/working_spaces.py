@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..choices import SPACES, default, listed
 from ..errors import InputError
 
 D65_WHITE = 0.3127, 0.3290
@@ -22,7 +23,7 @@ WORKING_SPACES = {
 ITU-R BT.709-6, ITU-R BT.2020-2, and AP1 of ACES (S-2014-004).
 """
 
-DEFAULT_SPACE = "Linear Rec.709"
+DEFAULT_SPACE = default(SPACES)
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Luminance weights of linear Rec.709 (ITU-R BT.709-6)."""
@@ -36,8 +37,7 @@ _BRADFORD = np.array(
 def check_space(space: str) -> str:
     """Return ``space`` where it names a working space, raise `InputError` otherwise."""
     if space not in WORKING_SPACES:
-        names = ", ".join(f"'{name}'" for name in WORKING_SPACES)
-        raise InputError("--space", f"'{space}' is not a working space", f"choose one of {names}")
+        raise InputError("--space", f"'{space}' is not a working space", f"choose {listed(SPACES)}")
     return space
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..choices import BASIS, SIMPLEST
 from ..sky.irradiance import exact_irradiance, spread
 from ..sky.polynomial import evaluate_polynomial
 from ..spectra.working_spaces import LUMINANCE, XYZ_to_working
@@ -29,10 +30,8 @@ MODELS = ("scalar", "diagonal", FULL)
 TOLERANCE = 0.5
 """CIEDE2000 that a choice keeps to where none is given: half of what is just noticeable."""
 
-SIMPLEST = "simplest"
-"""The basis to be chosen: the first of `BASES` with which every material keeps to the tolerance."""
-
-BASES = ("rayleigh", "atmosphere")
+CANDIDATES = ("rayleigh", BASIS)
+"""`SIMPLEST` is the first of these with which every material keeps to the tolerance."""
 
 _DEGREE_SHARE = 0.5
 """Of the tolerance, for the polynomial: brightness comes on top of a matrix's error in colour."""
@@ -145,11 +144,11 @@ def choose_with(
 
     ``transfer_of`` makes a basis's name into its `Transfer`; the rest as in `choose`, but that the
     simplest basis keeps to `TOLERANCE` where none is given. Where none keeps to it, or there is no
-    light to judge by, the last of `BASES`.
+    light to judge by, the last of `CANDIDATES`.
     """
     if basis != SIMPLEST:
         return choose(transfer_of(basis), reflectances, light, tolerance)
-    for name in BASES:
+    for name in CANDIDATES:
         choice = choose(transfer_of(name), reflectances, light, tolerance or TOLERANCE)
         if choice.kept:
             break

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..choices import GROUNDS, listed
 from ..errors import InputError
 from ..sky.direct_sun import SunLight
 from ..sky.irradiance import exact_irradiance, spread
@@ -26,7 +27,7 @@ from .measures import delta_E
 from .prediction import rgb_albedo
 from .prefilter import balanced_rgb
 
-CHOICES = ("hdri", "modelled", "none")
+CHOICES = tuple(name for name in GROUNDS if name != "auto")
 """The panorama's own lower half, an endless level ground of one reflectance, or darkness."""
 
 GREY = 0.2
@@ -90,7 +91,7 @@ def ground_light(
         For another choice.
     """
     if choice not in CHOICES:
-        raise InputError("--ground", f"'{choice}' is no ground", f"choose {', '.join(CHOICES)}")
+        raise InputError("--ground", f"'{choice}' is no ground", f"choose {listed(CHOICES)}")
     upper, lower = split(light.sky)
     seen = exact_irradiance(lower, [[0.0, 0.0, -1.0]])[0]
     if choice == "none" or (choice == "hdri" and not seen.any()):

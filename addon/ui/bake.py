@@ -4,6 +4,7 @@
 
 import bpy
 
+from ..choices import BAKED
 from . import operator, properties, update
 
 
@@ -53,7 +54,7 @@ class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
         told = ended if done is None else [("INFO", line) for line in done]
         if not scene_bake.baked():
             return told
-        context.scene.world.skylight.occlusion = "baked"
+        context.scene.world.skylight.occlusion = BAKED
         return [*told, *update.update(context)]
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import bpy
 
+from ..choices import ENGINES, items
 from ..errors import InputError
 from . import operator, panels
 
@@ -16,11 +17,7 @@ RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"}
 PACE = 0.5
 """[s] between two looks at a run, only while there is one."""
 
-ENGINES = (
-    ("SCENE", "The Scene's", "As the scene is set"),
-    ("eevee", "Eevee", "Fast"),
-    ("cycles", "Cycles", "Exact"),
-)
+ENGINE_ITEMS = (("SCENE", "The Scene's", "As the scene is set"), *items(ENGINES))
 CAMERAS = (
     ("ALL", "All", "Each camera of the scene"),
     ("ACTIVE", "Active", "The scene's camera alone"),
@@ -80,7 +77,7 @@ class SkylightBatch(bpy.types.PropertyGroup):
         subtype="FILE_PATH",
         options=RELATIVE,
     )
-    engine: bpy.props.EnumProperty(name="Engine", items=ENGINES)
+    engine: bpy.props.EnumProperty(name="Engine", items=ENGINE_ITEMS)
     samples: bpy.props.IntProperty(
         name="Samples", description="0: the scene's", min=0, soft_max=4096
     )

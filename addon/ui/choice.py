@@ -7,23 +7,16 @@ from dataclasses import dataclass, fields
 
 import bpy
 
+from .. import choices
+from ..choices import items
 from ..errors import InputError
 
 UNITS = (
     ("AUTO", "From the File", "By the column headers, else by the size of the numbers"),
-    ("PERCENT", "Percent", "0 to 100"),
-    ("FRACTION", "Fraction", "0 to 1"),
+    *items(choices.UNITS, upper=True),
 )
-KINDS = (
-    ("REFLECTANCE", "Reflectance", "A surface: what it reflects of each wavelength"),
-    ("GLASS", "Glass", "A pane: what it lets through of each wavelength, measured face on"),
-    ("METAL", "Metal", "A polished metal: its refractive index n and extinction k"),
-)
-PANES = (
-    ("FACE", "Single Face", "Each face of the mesh is a whole pane"),
-    ("BLOCK", "Closed Block", "The mesh has a face on either side of the pane"),
-)
-
+KINDS = items(choices.KINDS)
+PANES = items(choices.PANES)
 
 DETAILS = ("kind", "unit", "pane", "behind", "behind_column")
 """What is chosen beside file and column."""

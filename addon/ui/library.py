@@ -4,18 +4,12 @@
 
 import bpy
 
+from ..choices import ORDERS, items
 from . import library_state, operator, panel_text, preferences, wheels
 
 ROWS = 8
 TOLD = 40
 """Problems that a pop-up has room for."""
-
-ORDERS = (
-    ("NAME", "Name", "By name"),
-    ("HUE", "Hue", "By hue under D65, neutral ones last"),
-    ("LIGHTNESS", "Lightness", "From dark to light"),
-    ("SOURCE", "Source", "By folder and file"),
-)
 
 
 class SkylightSpectrum(bpy.types.PropertyGroup):
@@ -48,7 +42,9 @@ class SkylightLibrary(bpy.types.PropertyGroup):
         description="Words that name, kind or file of a reflectance must all have",
         options={"TEXTEDIT_UPDATE"},
     )
-    order: bpy.props.EnumProperty(name="Order", description="How it is sorted", items=ORDERS)
+    order: bpy.props.EnumProperty(
+        name="Order", description="How it is sorted", items=items(ORDERS, upper=True)
+    )
 
 
 class SKYLIGHT_UL_library(bpy.types.UIList):

@@ -5,6 +5,7 @@ Sky · Materials · Result. What is rarely needed stands in a closed panel under
 
 import bpy
 
+from ..choices import BAKED
 from . import material_panel, panel_text, result, targets, wheels
 
 
@@ -75,7 +76,7 @@ class SKYLIGHT_PT_light(OfWorld, bpy.types.Panel):
         numbers = context.scene.world.skylight
         layout.prop(numbers, "sun")
         layout.prop(numbers, "occlusion")
-        if numbers.occlusion == "baked":
+        if numbers.occlusion == BAKED:
             layout.prop(numbers, "bounce")
             row = layout.row(align=True)
             row.operator("skylight.bake")

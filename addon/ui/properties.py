@@ -9,29 +9,11 @@ from pathlib import Path
 
 import bpy
 
+from ..choices import GROUNDS, OCCLUSIONS, SIMPLEST, items, offered_bases
 from ..errors import InputError
 from . import choice
 
-BASES = (
-    ("simplest", "Simplest", "Rayleigh where it keeps to the tolerance, else Atmosphere"),
-    ("atmosphere", "Atmosphere", "Simulated light of all kinds at this sun's elevation: low suns"),
-    ("rayleigh", "Rayleigh", "Sunlight scattered by air never, once and twice: clear skies"),
-    ("daylight", "CIE Daylight", "The CIE daylight functions: measured days, also overcast"),
-)
-
-GROUNDS = (
-    ("auto", "Automatic", "The modelled ground where geometry lies under the materials"),
-    ("hdri", "From the HDRI", "What the lower half of the HDRI shows"),
-    ("modelled", "Modelled", "Level ground of the reflectance that lies under the materials"),
-    ("none", "None", "No light comes from below"),
-)
-OCCLUSIONS = (
-    ("open", "Open Sky", "Nothing keeps the sky from a face: no shadows but the sun's"),
-    ("dome", "Live", "24 soft suns cast the sky's shadows in Eevee, also of what moves"),
-    ("baked", "Baked", "What was baked for each vertex: exact, nearly free, for both engines"),
-)
-
-START = {"basis": "simplest", "tolerance": 0.5, "gloss": True}
+START = {"basis": SIMPLEST, "tolerance": 0.5, "gloss": True}
 """What the panel starts with; scripts and the command line choose for themselves."""
 
 
@@ -206,7 +188,7 @@ class SkylightNumbers(bpy.types.PropertyGroup):
 
     basis: _stored_enum(
         "basis",
-        BASES,
+        items(offered_bases()),
         name="Skylight Model",
         description="Which spectra skylight is expected to be mixed of",
     )
@@ -217,11 +199,11 @@ class SkylightNumbers(bpy.types.PropertyGroup):
         "which costs a second look at the light for each pixel",
     )
     ground: _stored_enum(
-        "ground", GROUNDS, name="Ground", description="Where light from below comes from"
+        "ground", items(GROUNDS), name="Ground", description="Where light from below comes from"
     )
     occlusion: _stored_enum(
         "occlusion",
-        OCCLUSIONS,
+        items(OCCLUSIONS),
         name="Sky Shadows",
         description="How geometry that hides the sky darkens materials",
     )

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ....node_groups import light_probe, skylight_surface
 from ....node_groups.skylight_surface import Features
+from ...choices import BAKED, DOME, OPEN
 from ...sky.direct_sun import SunLight, restored_sun
 from ...sky.dome import Dome, dome
 from ...sky.harmonics import fit_sky
@@ -23,7 +24,6 @@ from ...transfer.prefilter import balanced_rgb, prefiltered
 from ..bake import scene_bake
 from ..world import hdri as worlds
 from ..world import light_group, view_transform
-from ..world.settings import BAKED, DOME, OPEN
 from . import dome_lamps, light_linking, sun_lamp
 from . import user_lamps as own_lamps
 from .user_lamps import Lamps

@@ -12,17 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import tags
+from ...choices import BASIS, GROUNDS, OCCLUSIONS, SIMPLEST, default
 from ...sky.light import SkyLight
 from ...spectra import sensitivities
-from ...transfer.choice import SIMPLEST, Choice, choose_with
+from ...transfer.choice import Choice, choose_with
 from ...transfer.known_light import KnownLight
 from ...transfer.matrices import Transfer, transfer
-from ...transfer.white import AUTO
 from ..blend_data import working_space
 from . import light_group
-
-OPEN, BAKED, DOME = "open", "baked", "dome"
-"""Shadows of the sky: none, precomputed, or of soft suns."""
 
 
 @dataclass(frozen=True)
@@ -34,18 +31,17 @@ class Settings:
     lowest degree.
     """
 
-    basis: str = "atmosphere"
+    basis: str = BASIS
     camera: str | None = None
     white: tuple[float, float, float] | None = None
     sun_elevation: float | None = None
     tolerance: float | None = None
     sun: bool = True
     """Whether the HDRI's sun shines on materials, by a lamp."""
-    ground: str = AUTO
+    ground: str = default(GROUNDS)
     """The light from below: one of `transfer.ground.CHOICES`, or the modelled ground where geometry
     lies under the materials, else the HDRI's."""
-    occlusion: str = OPEN
-    """Shadows of the sky: `OPEN` for none, `DOME`, or `BAKED`."""
+    occlusion: str = default(OCCLUSIONS)
     bounce: bool = False
     """Whether baked light holds what one bounce between materials brings."""
     gloss: bool = False
