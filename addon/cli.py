@@ -22,6 +22,7 @@ COMMANDS = (
     "evaluate",
     "chart",
     "apply",
+    "explain",
     "render",
     "batch",
 )

@@ -68,3 +68,13 @@ def shared_data() -> Path:
     if not path.is_dir():
         pytest.skip(f"no measured data at {path}")
     return path
+
+
+@pytest.fixture(scope="module")
+def addon():
+    """The add-on enabled, and disabled again."""
+    import spectral_skylight
+
+    spectral_skylight.register()
+    yield spectral_skylight
+    spectral_skylight.unregister()

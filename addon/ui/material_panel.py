@@ -38,6 +38,7 @@ def _choose(layout, context, material) -> None:
         row.operator("skylight.estimate", text="Estimate")
     if material in spectral_material.ours():
         row.operator("skylight.remove")
+        row.operator("skylight.explain", text="", icon="QUESTION")
     row = layout.row(align=True)
     row.operator("skylight.apply_selected", text="To Selection")
     row.operator("skylight.remove_selected", text="From Selection")

@@ -6,6 +6,7 @@ STEPS = (
     ("load_sky", "make_spectral", "update", "remove_all"),
     ("choose_reflectance", "apply", "apply_selected", "apply_all", "estimate"),
     ("remove", "remove_selected"),
+    ("explain",),
     ("assign_to_active", "assign_to_selected"),
     ("write_assignments", "read_assignments"),
     ("refresh_library", "library_problems", "write_assets"),

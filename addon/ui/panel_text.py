@@ -15,10 +15,14 @@ CHARACTER = 5.6
 
 
 def paragraph(
-    layout: bpy.types.UILayout, context: bpy.types.Context, text: str, icon: str = "NONE"
+    layout: bpy.types.UILayout,
+    context: bpy.types.Context,
+    text: str,
+    icon: str = "NONE",
+    width: float = 0.0,
 ) -> None:
-    """A sentence over as many lines as the panel's width asks for."""
-    width = context.region.width if context.region else 600
+    """A sentence over as many lines as a ``width`` [pixels] asks for; 0: the panel's."""
+    width = width or (context.region.width if context.region else 600)
     scale = context.preferences.system.ui_scale or 1.0  # 0 without a window
     margins = 45 if icon == "NONE" else 70  # the tabs' names and the icon among them
     characters = max(20, int((width / scale - margins) / CHARACTER))

@@ -1,16 +1,6 @@
-"""The add-on, registered, and a small scene under a small sky."""
+"""A small scene under a small sky."""
 
 import pytest
-
-import spectral_skylight
-
-
-@pytest.fixture(scope="module")
-def addon():
-    """The add-on enabled, and disabled again."""
-    spectral_skylight.register()
-    yield spectral_skylight
-    spectral_skylight.unregister()
 
 
 @pytest.fixture

@@ -63,7 +63,14 @@ def test_every_button_has_an_operator_and_is_searched_for(addon):
 
 def test_whatever_changes_the_file_can_be_undone(addon):
     # These change views, other files, or nothing.
-    apart = {"show_in_viewport", "library_problems", "batch_write", "batch_start", "batch_cancel"}
+    apart = {
+        "show_in_viewport",
+        "library_problems",
+        "explain",
+        "batch_write",
+        "batch_start",
+        "batch_cancel",
+    }
     for cls in registration.CLASSES:
         if issubclass(cls, bpy.types.Operator):
             assert cls.__doc__ and cls.bl_label

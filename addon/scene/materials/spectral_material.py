@@ -80,12 +80,14 @@ def apply(
     """
     check_editable(material)
     group = group or light_group.ensure(world)
-    node = _surface_node(material)
+    node = surface_node(material)
     kept = material.get(tags.MATERIAL, {})
-    shown = shader_rewrite.tops(material.node_tree, node).values() if node is not None else ()
-    unplugged = node is not None and not any(socket.is_linked for socket in shown)
     wanted = surface.gloss, surface.textured
-    if node is None or unplugged or (kept.get("gloss"), kept.get("textured")) != wanted:
+    if (
+        node is None
+        or not is_shown(material)
+        or (kept.get("gloss"), kept.get("textured")) != wanted
+    ):
         remove(material, stays=group)
         node = _take_over(material, group, *wanted)
     groups.show(node, group)
@@ -112,7 +114,7 @@ def update(
     Raises InputError if the material is not managed or not editable.
     """
     check_editable(material)
-    node = _surface_node(material)
+    node = surface_node(material)
     if node is None:
         raise InputError(f'material "{material.name}"', "has no reflectance yet", "apply one first")
     _set(node, matrix, reflected)
@@ -167,7 +169,7 @@ def remove(material: bpy.types.Material, stays: bpy.types.NodeTree | None = None
         return
     check_editable(material)
     tree = material.node_tree
-    node = _surface_node(material)
+    node = surface_node(material)
     for output in [n for n in tree.nodes if tags.OUTPUT in n]:
         surface = output.inputs["Surface"]
         number = str(output[tags.OUTPUT])
@@ -197,9 +199,7 @@ def remove(material: bpy.types.Material, stays: bpy.types.NodeTree | None = None
 
 def is_managed(material: bpy.types.Material | None) -> bool:
     """Whether a material has our surface (also a copy, and one that is linked from a library)."""
-    return (
-        material is not None and tags.MATERIAL in material and _surface_node(material) is not None
-    )
+    return material is not None and tags.MATERIAL in material and surface_node(material) is not None
 
 
 def ours() -> list[bpy.types.Material]:
@@ -219,7 +219,7 @@ def managed_materials(world: bpy.types.World | None = None) -> list[bpy.types.Ma
 
 def managed(material: bpy.types.Material) -> Managed | None:
     """What a material was given, None if it is not managed."""
-    record, node = MaterialRecord.of(material), _surface_node(material)
+    record, node = MaterialRecord.of(material), surface_node(material)
     if record is None or node is None:
         return None
     world = skylight_surface.world_of(node.node_tree) if node.node_tree else None
@@ -258,7 +258,16 @@ def _set(node: bpy.types.Node, matrix, reflected: Mapping[str, Sequence[float]] 
         node.inputs[name].default_value = tuple(float(part) for part in rgb)
 
 
-def _surface_node(material: bpy.types.Material) -> bpy.types.Node | None:
+def is_shown(material: bpy.types.Material) -> bool:
+    """Whether our surface feeds an output; a user may have plugged in another shader."""
+    node = surface_node(material)
+    if node is None:
+        return False
+    return any(top.is_linked for top in shader_rewrite.tops(material.node_tree, node).values())
+
+
+def surface_node(material: bpy.types.Material) -> bpy.types.Node | None:
+    """The `Skylight Surface` node of a material, None without."""
     tree = material.node_tree
     found = (n for n in tree.nodes if n.get(tags.NODE) == "surface") if tree else ()
     return next((node for node in found if node.type == "GROUP"), None)
