@@ -203,6 +203,20 @@ def test_relative_imports_stay_inside_the_package():
                 assert node.level <= depth, f"{path}:{node.lineno}"
 
 
+def test_relative_imports_lead_somewhere():
+    wrong = []
+    for found in ALL:
+        parent, name = ROOT.joinpath(*found.module.split(".")[:-1]), found.module.split(".")[-1]
+        if found.relative and not (
+            parent.with_suffix(".py").is_file()
+            or (parent / name).is_dir()
+            or (parent / f"{name}.py").is_file()
+            or name in (parent / "__init__.py").read_text(encoding="utf-8")
+        ):
+            wrong.append(str(found))
+    assert wrong == []
+
+
 def test_pip_installs_every_package_with_its_data():
     """A folder that the list forgets is missing only where it is installed, not in a checkout."""
     setup = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
