@@ -59,14 +59,16 @@ def exact_irradiance(sky: ArrayLike, normals: ArrayLike) -> NDArray[np.float64]:
         half = half[:, band]
         azimuth = np.arctan2(normal[:, 1], normal[:, 0])[:, None]
         edges = np.stack([azimuth - half, azimuth + half], axis=1)
-        turns, column = np.divmod((0.5 - edges / (2.0 * np.pi)) * columns, columns)
+        column = (0.5 - edges / (2.0 * np.pi)) * columns
+        turns = np.floor(column / columns)
+        column -= turns * columns
         left = np.minimum(column.astype(np.intp), columns - 1)
         share = column - left
         # The sum up to one edge less that up to the other, each between two columns.
         weights = np.stack([1.0 - share, share], axis=-1) * [[[1.0]], [[-1.0]]]
         at = first[band] + left
         at = np.stack([at, at + 1], axis=-1).reshape(len(normal), -1)
-        between = weights.reshape(len(normal), 1, -1) @ flat[at]
+        between = weights.reshape(len(normal), 1, -1) @ flat.take(at, axis=0)
         around = (turns[:, 0] - turns[:, 1]) @ whole[band] + in_front @ whole
         total[start : start + len(normal)] = between[:, 0] + around
     return np.einsum("ma,mac->mc", normals, total.reshape(-1, 3, 3)) / np.pi

@@ -108,8 +108,9 @@ def outside(
     ``sky`` is the panorama without the disc, (rows, 2 rows, 3); ``S_in`` as in `locus_distance`.
     """
     normals = np.asarray(normals, dtype=float)
-    labels = classify(sky, sun, S_in)
-    luminance = blocks(sky) @ LUMINANCE
+    rgb = blocks(sky)
+    labels = classify(rgb, sun, S_in)
+    luminance = rgb @ LUMINANCE
     # What fills the disc's place is sky; the disc itself comes from `sun`.
     groups = (np.isin(labels, (SKY, SUN)), labels == GROUND, labels == FOREIGN)
     masked = np.stack([luminance * group for group in groups], axis=-1)
@@ -127,5 +128,7 @@ def blocks(sky: ArrayLike) -> NDArray[np.float32]:
     rgb = np.asarray(sky)
     height = len(rgb)
     size = next(k for k in range(max(1, height // _ROWS), 0, -1) if height % k == 0)
+    if size == 1:
+        return rgb.astype(np.float32, copy=False)
     rows = height // size
     return rgb.reshape(rows, size, 2 * rows, size, 3).mean(axis=(1, 3), dtype=np.float32)
