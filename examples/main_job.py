@@ -113,12 +113,11 @@ class MainJob:
         }
         of_parts = [self.index(BUILDING_MATERIALS[part]) for part in parts]
         with silenced(self.log):
+            shown = self.exposure, not self.simulated  # our own sky is made without its sun's disc
             scenes.save_checker(
-                self.blend("checker"), list(self.checker.names), self.albedos, self.exposure
+                self.blend("checker"), list(self.checker.names), self.albedos, *shown
             )
-            scenes.save_building(
-                self.blend("building"), parts, self.albedos[of_parts], self.exposure
-            )
+            scenes.save_building(self.blend("building"), parts, self.albedos[of_parts], *shown)
 
     def render(self, name: str) -> None:
         """Render a scene spectrally, and as RGB times RGB.

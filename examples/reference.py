@@ -84,12 +84,12 @@ def building_normals(camera: Camera = BUILDING_CAMERA) -> tuple[np.ndarray, np.n
         normal /= np.linalg.norm(normal)
         facing = directions @ normal
         with np.errstate(divide="ignore", invalid="ignore"):
-            distance = ((a - origins) @ normal) / facing
-        point = origins + distance[..., None] * directions
-        inside = np.ones(surface.shape, dtype=bool)
-        for p, q in ((a, b), (b, c), (c, a)):
-            inside &= np.cross(q - p, point - p) @ normal >= -1e-9
-        hit = inside & (distance > 0) & (distance < nearest)
+            distance = (a @ normal - origins @ normal) / facing
+            hit = (distance > 0) & (distance < nearest)
+            for p, q in ((a, b), (b, c), (c, a)):
+                inwards = np.cross(normal, q - p)
+                along = origins @ inwards + distance * (directions @ inwards)
+                hit &= along - p @ inwards >= -1e-9
         nearest[hit] = distance[hit]
         surface[hit] = k
         # Blender turns the normal of a face that is seen from behind.
@@ -124,7 +124,9 @@ def picture(
         mine = surface == k
         coverage = pixel_means(mine)
         shown = coverage > 0
-        mean_normals = pixel_means(np.where(mine[..., None], normals, 0.0))[shown]
+        mean_normals = (_by_pixels(normals)[shown] * _by_pixels(mine)[shown][..., None]).mean(
+            axis=(1, 2)
+        )
         mean_normals /= np.linalg.norm(mean_normals, axis=-1, keepdims=True)
         E = _irradiance_once(sky, mean_normals)
         image[shown] += coverage[shown][:, None] * ((E * reflectance) @ S.T)
@@ -134,9 +136,14 @@ def picture(
 
 def pixel_means(values: np.ndarray) -> np.ndarray:
     """Return the means over the rays of each pixel."""
+    return _by_pixels(values).mean(axis=(2, 3))
+
+
+def _by_pixels(values: np.ndarray) -> np.ndarray:
+    """Return a view (h, w, n, n, …) of the values (n h, n w, …) of all rays."""
     n = OVERSAMPLING
     height, width = values.shape[0] // n, values.shape[1] // n
-    return values.reshape(height, n, width, n, *values.shape[2:]).mean(axis=(1, 3))
+    return values.reshape(height, n, width, n, *values.shape[2:]).swapaxes(1, 2)
 
 
 _known: dict[bytes, np.ndarray] = {}

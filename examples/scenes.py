@@ -16,9 +16,11 @@ from geometry import (
 from mathutils import Matrix
 
 
-def save_checker(path: Path, names: list[str], base_colours: np.ndarray, exposure: float) -> None:
+def save_checker(
+    path: Path, names: list[str], base_colours: np.ndarray, exposure: float, sunlit: bool
+) -> None:
     """Save 24 spheres in the materials ``names`` (24) of base colours (24, 3)."""
-    _new_file(CHECKER_CAMERA, exposure)
+    _new_file(CHECKER_CAMERA, exposure, sunlit)
     mesh = _sphere_mesh()
     for name, colour, centre in zip(names, base_colours, sphere_centres(), strict=True):
         ball = bpy.data.objects.new(name, mesh)
@@ -30,9 +32,11 @@ def save_checker(path: Path, names: list[str], base_colours: np.ndarray, exposur
     _save(path)
 
 
-def save_building(path: Path, names: list[str], base_colours: np.ndarray, exposure: float) -> None:
+def save_building(
+    path: Path, names: list[str], base_colours: np.ndarray, exposure: float, sunlit: bool
+) -> None:
     """Save the building, its parts' materials ``names`` in the order of `building`."""
-    _new_file(BUILDING_CAMERA, exposure)
+    _new_file(BUILDING_CAMERA, exposure, sunlit)
     for name, colour, polygons in zip(names, base_colours, building().values(), strict=True):
         corners = [corner for polygon in polygons for corner in polygon]
         ends = np.cumsum([len(polygon) for polygon in polygons])
@@ -44,16 +48,20 @@ def save_building(path: Path, names: list[str], base_colours: np.ndarray, exposu
     _save(path)
 
 
-def _new_file(camera: Camera, exposure: float) -> None:
+def _new_file(camera: Camera, exposure: float, sunlit: bool) -> None:
+    """Begin a file; ``sunlit``: whether the sky may have a sun that casts shadows."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.context.preferences.filepaths.save_version = 0
     scene = bpy.context.scene
     eevee = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
     scene.render.engine = eevee
     scene.eevee.taa_render_samples = SAMPLES
+    # Eevee prepares shadows for each sample, lamps or not: by a processor more than half the time.
+    scene.eevee.use_shadows = sunlit
     scene.view_settings.view_transform = "Standard"
     scene.view_settings.exposure = exposure
     scene.world = bpy.data.worlds.new("Grey")
+    scene.world.probe_resolution = "128"  # nothing here mirrors the World
     place_camera(scene, camera)
 
 
