@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from importlib import import_module
 from typing import NoReturn
 
+from .commands.arguments import option
 from .errors import InputError
 
 COMMANDS = (
@@ -47,7 +48,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         options.run(options)
     except InputError as error:
-        print(f"{parser.prog}: {error}", file=sys.stderr)
+        name = getattr(options, "parameter_name", option)
+        print(f"{parser.prog}: {error.told(name)}", file=sys.stderr)
         return 2
     except OSError as error:
         print(f"{parser.prog}: {error}", file=sys.stderr)

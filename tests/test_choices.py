@@ -132,7 +132,7 @@ def test_the_command_line_has_a_new_occlusion():
     parse = """
     from spectral_skylight.addon import cli
     options = ["apply", "a.blend", "--out", "b.blend", "--occlusion", "fog"]
-    print(cli._parser().parse_args(options).occlusion)
+    print(cli._parser([]).parse_args(options).occlusion)
     """
     assert run(textwrap.dedent(parse)).split() == ["fog"]
 

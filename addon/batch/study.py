@@ -50,6 +50,13 @@ KEYS = {
     "quality": f"of simulated skies: {listed(QUALITIES)}",
     "sky_width": "of simulated skies [pixels]; 1024",
 }
+
+
+def key_of(parameter: str) -> str:
+    """Return a parameter's key in a study, as `errors.InputError.told` asks for it."""
+    return '"times"' if parameter == "time" else f'"{parameter}"'
+
+
 SKY_KEYS = ("file", "name", "date", "times", "latitude", "longitude", "timezone", "north")
 VARIANT_KEYS = ("name", "assign")
 
@@ -205,7 +212,7 @@ def _sky(table: Table, here: Path) -> Iterable[Sky]:
     try:
         suns = sun_positions(date, times, latitude, longitude, zone)
     except InputError as error:
-        raise InputError(table.place, str(error).replace("--", ""), "change that") from None
+        raise error.within(table.place, key_of) from None
     for time, sun in zip(times, suns, strict=True):
         if sun[0] < LOWEST_SUN:
             raise InputError(

@@ -14,7 +14,7 @@ import threading
 from pathlib import Path
 from typing import IO, Any
 
-from ..errors import InputError
+from ..errors import InputError, parameter
 from .task import SCRIPT, Task
 
 ANSWER = "skylight-task "  # as render_task.py has it: workers of a farm get this file alone
@@ -37,13 +37,15 @@ def blender_command(blender: str | Path | None = None) -> list[str]:
     if blender is not None:
         found = shutil.which(str(blender))
         if found is None:
-            raise InputError(blender, "is no Blender that can be started", "check --blender")
+            raise InputError(
+                blender, "is no Blender that can be started", f"check {parameter('blender')}"
+            )
         return [found, *PLAIN]
     if importlib.util.find_spec("bpy") is not None:
         return [sys.executable]
     if found := shutil.which("blender"):
         return [found, *PLAIN]
-    raise InputError("batch", "there is no Blender here", "give --blender PATH")
+    raise InputError("batch", "there is no Blender here", f"give {parameter('blender')} PATH")
 
 
 class Worker:

@@ -11,6 +11,11 @@ from ..choices import BASIS, SIMPLEST, UNITS, described, offered_bases
 from ..errors import InputError
 
 
+def option(parameter: str) -> str:
+    """Return a parameter's option, as `errors.InputError.told` asks for it: ``--sun-elevation``."""
+    return f"--{parameter.replace('_', '-')}"
+
+
 def three(text: str) -> tuple[float, float, float]:
     """Return the three numbers of ``R,G,B``."""
     try:

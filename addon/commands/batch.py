@@ -13,11 +13,13 @@ from typing import Any
 
 from ..errors import InputError
 from . import batch_flamenco
+from .arguments import option
 
 
 def add(commands: Any) -> None:
     """Add the command, and those under it, to those of the parser."""
     parser = commands.add_parser("batch", help="many pictures, here or on a farm")
+    parser.set_defaults(parameter_name=_parameter_name)
     steps = parser.add_subparsers(required=True, metavar="plan|run|report|flamenco")
     plan = steps.add_parser("plan", help="check a study and list its pictures")
     plan.add_argument("study", metavar="STUDY.toml")
@@ -42,6 +44,13 @@ def add(commands: Any) -> None:
     report.add_argument("plan", metavar="PLAN.jsonl|STUDY.toml")
     report.set_defaults(run=_report)
     batch_flamenco.add(steps)
+
+
+def _parameter_name(parameter: str) -> str:
+    """Return what a parameter is called here: a study's key, else an option of these commands."""
+    from ..batch.study import KEYS, key_of
+
+    return key_of(parameter) if parameter in KEYS else option(parameter)
 
 
 def _count(text: str) -> int:

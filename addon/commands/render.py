@@ -28,6 +28,7 @@ def run(options: argparse.Namespace) -> None:
     scene = blend_file.open_scene(options.scene)
     if found := rgb_comparison.shown_now():
         names = ", ".join(material.name for material in found[:5]) + (" …" if found[5:] else "")
-        print(f"WARNING: RGB × RGB shows on {names}: press Back to Spectral", file=sys.stderr)
+        line = f"{names}: rendered as RGB × RGB, for the file was saved while comparing"
+        print(f"WARNING: {line}; make them spectral again with apply", file=sys.stderr)
     for path in render.render(scene, options.out, options.camera, options.engine):
         print(path)

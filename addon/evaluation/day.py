@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from tqdm import tqdm
 
-from ..errors import InputError
+from ..errors import InputError, parameter
 from ..sky.clear_sky import picture
 from ..sky.lat_long import directions, solid_angles
 from ..sky.light import FACES
@@ -54,7 +54,7 @@ def simulate_day(
     minutes, and for a day on which the sun does not rise.
     """
     if not 5 <= step <= 180:
-        raise InputError("--step", f"{step} minutes", "give 5 to 180")
+        raise InputError(parameter("step"), f"{step} minutes", "give 5 to 180")
     sunlit = []
     for minutes in range(0, 24 * 60, step):
         time = f"{minutes // 60:02d}:{minutes % 60:02d}"
@@ -62,7 +62,9 @@ def simulate_day(
         if elevation >= 0.0:
             sunlit.append((minutes / 60.0, elevation, azimuth))
     if not sunlit:
-        raise InputError("--date", f"no sun rises at {latitude:g}° on {date}", "give another day")
+        raise InputError(
+            parameter("date"), f"no sun rises at {latitude:g}° on {date}", "give another day"
+        )
     weights = face_weights()
     light = []
     for _, elevation, azimuth in tqdm(sunlit, desc="day", disable=not progress):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..choices import BASES
-from ..errors import InputError
+from ..errors import InputError, parameter
 from ..spectra.sensitivities import observer
 from ..spectra.working_spaces import LUMINANCE
 from ..transfer.measures import delta_E, relative_error
@@ -120,7 +120,7 @@ def one_each(sun_elevation: ArrayLike | None, count: int) -> list[float] | list[
     elevations = np.ravel(np.asarray(sun_elevation, dtype=float))
     if elevations.size not in (1, count):
         raise InputError(
-            "--sun-elevation",
+            parameter("sun_elevation"),
             f"{elevations.size} elevations for {count} spectra",
             "give one for all or one for each",
         )

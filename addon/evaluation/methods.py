@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..choices import BASES
-from ..errors import InputError
+from ..errors import InputError, parameter
 from ..spectra import sensitivities
 from ..spectra.ensemble import shipped
 from ..spectra.grid import WAVELENGTHS
@@ -119,7 +119,7 @@ def with_basis(basis: str, *told: str) -> Method:
             known["sky_rgb"] = sky.lights @ sky.S_in.T
         if "elevation" in told:
             if sky.sun_elevation is None:
-                raise InputError("--sun-elevation", f"{name} has none", "give one")
+                raise InputError(parameter("sun_elevation"), f"{name} has none", "give one")
             known["sun_elevation"] = sky.sun_elevation
         mapping = transfer(basis, camera=sky.camera, **known)
         return Prepared(mapping.S_in, mapping.matrices(rho))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, parameter
 from ..spectra.sensitivities import observer
 from .scattering import direction
 from .simulation import SimulatedSky, simulate
@@ -64,7 +64,7 @@ def clear_sky(
         A height out of range, and as `simulate`.
     """
     if not 4 <= height <= 4096:
-        raise InputError("--width", f"{2 * height} pixels", "give 8 to 8192")
+        raise InputError(parameter("width"), f"{2 * height} pixels", "give 8 to 8192")
     sky = simulate(sun_elevation, **settings)
     return picture(sky, height, sun_azimuth, sun_disc, sensitivities)
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
+from ..errors import InputError, parameter
 from ..spectra.bases import rayleigh, restoration
 from ..spectra.ensemble import uv
 from ..spectra.grid import WEIGHTS
@@ -157,7 +157,7 @@ def _expected(
 
 def _sunlight(elevation: float, air: Atmosphere) -> NDArray[np.float64]:
     if not -90.0 <= elevation <= 90.0:
-        raise InputError("--sun-elevation", f"{elevation:g}°", "give -90 to 90 degrees")
+        raise InputError(parameter("sun_elevation"), f"{elevation:g}°", "give -90 to 90 degrees")
     return sun_transmittance(max(elevation, 0.0), air) * extraterrestrial_sunlight()
 
 

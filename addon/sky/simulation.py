@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..bar import Bar
 from ..choices import listed
-from ..errors import InputError
+from ..errors import InputError, parameter
 from ..spectra import cache
 from ..spectra.grid import WAVELENGTHS
 from ..spectra.sunlight import extraterrestrial_sunlight
@@ -152,14 +152,16 @@ def simulate(
         Elevation, orders, quality or seed out of range.
     """
     if not LOWEST_SUN <= sun_elevation <= 90.0:
-        raise InputError("--sun-elevation", f"{sun_elevation:g}°", f"give {LOWEST_SUN:g} to 90")
+        raise InputError(
+            parameter("sun_elevation"), f"{sun_elevation:g}°", f"give {LOWEST_SUN:g} to 90"
+        )
     if orders is not None and orders < 1:
-        raise InputError("--orders", f"{orders}", "give 1 or more, or all")
+        raise InputError(parameter("orders"), f"{orders}", "give 1 or more, or all")
     if seed < 0:
-        raise InputError("--seed", f"{seed}", "give 0 or more")
+        raise InputError(parameter("seed"), f"{seed}", "give 0 or more")
     if isinstance(quality, str):
         if quality not in QUALITIES:
-            raise InputError("--quality", f"'{quality}'", f"choose {listed(QUALITIES)}")
+            raise InputError(parameter("quality"), f"'{quality}'", f"choose {listed(QUALITIES)}")
         quality = QUALITIES[quality]
     atmosphere = atmosphere or Atmosphere()
     content = {

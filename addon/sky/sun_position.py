@@ -8,7 +8,7 @@ from zoneinfo import ZoneInfo
 
 import numpy as np
 
-from ..errors import InputError
+from ..errors import InputError, parameter
 
 
 def sun_position(
@@ -44,15 +44,17 @@ def sun_positions(
         installed.
     """
     if not -90.0 <= latitude <= 90.0:
-        raise InputError("--latitude", f"{latitude:g}°", "give -90 to 90, north positive")
+        raise InputError(parameter("latitude"), f"{latitude:g}°", "give -90 to 90, north positive")
     if not -180.0 <= longitude <= 180.0:
-        raise InputError("--longitude", f"{longitude:g}°", "give -180 to 180, east positive")
+        raise InputError(
+            parameter("longitude"), f"{longitude:g}°", "give -180 to 180, east positive"
+        )
     moments = [_moment(date, time, zone) for time in times]
     try:
         from pvlib import spa
     except ImportError:
-        cure = "pip install 'spectral-skylight[science]', or give --sun-elevation"
-        raise InputError("--date", "pvlib is not installed", cure) from None
+        cure = f"pip install 'spectral-skylight[science]', or give {parameter('sun_elevation')}"
+        raise InputError(parameter("date"), "pvlib is not installed", cure) from None
     sea_level = {"elev": 0.0, "pressure": 1013.25, "temp": 15.0, "atmos_refract": 0.5667}
     delta_t = spa.calculate_deltat(moments[0].year, moments[0].month)
     seconds = np.array([moment.timestamp() for moment in moments])
@@ -67,12 +69,12 @@ def _moment(date: str, time: str, zone: str) -> datetime:
     try:
         moment = datetime.fromisoformat(f"{date}T{time}")
     except ValueError:
-        cure = "give --date YYYY-MM-DD --time HH:MM"
-        raise InputError("--date", f"'{date} {time}' is no date and time", cure) from None
+        cure = f"give {parameter('date')} YYYY-MM-DD and {parameter('time')} HH:MM"
+        raise InputError(parameter("date"), f"'{date} {time}' is no date and time", cure) from None
     moment = moment.replace(tzinfo=_zone(zone))
     if moment.astimezone(UTC).astimezone(moment.tzinfo).time() != moment.time():
         cure = f"summer time begins in {zone}: give an hour later"
-        raise InputError("--time", f"there is no {time} on {date}", cure)
+        raise InputError(parameter("time"), f"there is no {time} on {date}", cure)
     return moment
 
 
@@ -86,4 +88,4 @@ def _zone(name: str) -> tzinfo:
         return timezone(sign * timedelta(hours=float(hours), minutes=int(minutes or 0)))
     except (ValueError, OSError, KeyError):  # ZoneInfoNotFoundError is a KeyError
         cure = "give a name such as Europe/Berlin, or hours such as +2"
-        raise InputError("--timezone", f"'{name}' is unknown", cure) from None
+        raise InputError(parameter("timezone"), f"'{name}' is unknown", cure) from None

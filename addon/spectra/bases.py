@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..choices import BASES, listed
-from ..errors import InputError
+from ..errors import InputError, parameter
 from .ensemble import shipped
 from .grid import WAVELENGTHS
 from .illuminants import daylight_components
@@ -78,7 +78,9 @@ def atmosphere(
     if S_in is None:
         S_in = observer()
     if sun_elevation is not None and not -90.0 <= sun_elevation <= 90.0:
-        raise InputError("--sun-elevation", f"{sun_elevation:g}°", "give -90 to 90 degrees")
+        raise InputError(
+            parameter("sun_elevation"), f"{sun_elevation:g}°", "give -90 to 90 degrees"
+        )
     paper = restoration(rayleigh(), S_in)
     expected = shipped().restoration(S_in, sun_elevation, sky_rgb)
     if sun_elevation is None:
@@ -127,4 +129,6 @@ def basis(
         return globals()[name]()  # each is a function of this module, see `choices`
     if found := re.fullmatch(r"measured[ :=]\s*(.+)", name):
         return measured(found[1])
-    raise InputError("--basis", f"'{name}' is no basis", f"choose {listed([*BASES, MEASURED])}")
+    raise InputError(
+        parameter("basis"), f"'{name}' is no basis", f"choose {listed([*BASES, MEASURED])}"
+    )

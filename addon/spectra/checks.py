@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, parameter
 from . import quantities
 from .curves import Table, check_range
 from .files import plain
@@ -106,7 +106,7 @@ def percent_columns(
             unclear[int(k)] = InputError(
                 seen.place(row, int(k)),
                 f"the largest value is {largest[k]:g}: percent or fraction?",
-                "say --unit percent or --unit fraction",
+                f"give {parameter('unit')} percent or fraction",
             )
     notes += _decided(
         table, silent & ~np.isin(np.arange(len(told)), list(unclear)), percent, decisive
@@ -218,7 +218,7 @@ def _check_values(table: Table, values: NDArray, percent: bool) -> None:
         (
             values > CLIPPED_UP_TO,
             "is over 1.05 (as a fraction)",
-            "check the unit (--unit); fluorescent materials are not covered",
+            f"check the {parameter('unit')}; fluorescent materials are not covered",
         ),
     ):
         if wrong.any():

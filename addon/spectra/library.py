@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..choices import ORDERS, listed
-from ..errors import InputError
+from ..errors import InputError, parameter
 from ..progress import Progress, run
 from . import cache, formats
 from .cielab import XYZ_to_Lab
@@ -102,7 +102,7 @@ class Library:
         Raises `InputError` for another order.
         """
         if by not in ORDERS:
-            raise InputError("--sort", f"'{by}' is no order", f"choose {listed(ORDERS)}")
+            raise InputError(parameter("sort"), f"'{by}' is no order", f"choose {listed(ORDERS)}")
         if by in ("name", "source"):
             keys = self._texts if by == "name" else [source.casefold() for source in self.sources]
             return np.array(sorted(range(len(self)), key=keys.__getitem__), dtype=int)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..choices import listed
-from ..errors import InputError
+from ..errors import InputError, parameter
 from . import formats
 from .checks import UNITS, on_grid, percent_columns, reflectances_of
 from .curves import NoSpectra, Table
@@ -92,7 +92,7 @@ def read_all(path: str | Path, unit: str | None = None) -> Reflectances:
 def _admitted(table: Table, unit: str | None, column: str | None) -> Reflectances:
     """Return of a table the reflectances, or the one that ``column`` names, that can be used."""
     if unit is not None and unit not in UNITS:
-        raise InputError("--unit", f"'{unit}' is no unit", f"choose {listed(UNITS)}")
+        raise InputError(parameter("unit"), f"'{unit}' is no unit", f"choose {listed(UNITS)}")
     if column is not None:
         table = table.columns([_index(table, column)])
     as_read = dict(zip(table.names, table.said, strict=True))
@@ -139,9 +139,7 @@ def _admitted(table: Table, unit: str | None, column: str | None) -> Reflectance
 
 def _about_something_else(error: InputError) -> NoSpectra:
     """Return the same line about a file that holds no reflectance at all."""
-    other = NoSpectra("", "", "")
-    other.args, other.problem = error.args, error.problem
-    return other
+    return NoSpectra(*error.args)
 
 
 def _measured(ends: NDArray[np.float64]) -> tuple[float, float]:

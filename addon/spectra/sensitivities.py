@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..errors import InputError
+from ..errors import InputError, parameter
 from .curves import LIGHT
 from .datasets import CAMERAS, CMFS, dataset, names
 from .grid import WAVELENGTHS, WEIGHTS, resample
@@ -66,7 +66,7 @@ def camera(name: str) -> NDArray[np.float64]:
         wavelengths, values = _read_camera(Path(name))
     else:
         raise InputError(
-            "--camera",
+            parameter("camera"),
             f"'{name}' is neither a file nor a known camera",
             "give a CSV with the columns wavelength, R, G, B or one of "
             + ", ".join(f"'{key}'" for key in cameras),

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..choices import SPACES, default, listed
-from ..errors import InputError
+from ..errors import InputError, parameter
 
 D65_WHITE = 0.3127, 0.3290
 """x and y of the white that is (1, 1, 1) in Blender, whatever the working space."""
@@ -37,7 +37,9 @@ _BRADFORD = np.array(
 def check_space(space: str) -> str:
     """Return ``space`` where it names a working space, raise `InputError` otherwise."""
     if space not in WORKING_SPACES:
-        raise InputError("--space", f"'{space}' is not a working space", f"choose {listed(SPACES)}")
+        raise InputError(
+            parameter("space"), f"'{space}' is not a working space", f"choose {listed(SPACES)}"
+        )
     return space
 
 

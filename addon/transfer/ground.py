@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..choices import GROUNDS, listed
-from ..errors import InputError
+from ..errors import InputError, parameter
 from ..sky.direct_sun import SunLight
 from ..sky.irradiance import exact_irradiance, spread
 from ..sky.light import SkyLight
@@ -91,7 +91,9 @@ def ground_light(
         For another choice.
     """
     if choice not in CHOICES:
-        raise InputError("--ground", f"'{choice}' is no ground", f"choose {listed(CHOICES)}")
+        raise InputError(
+            parameter("ground"), f"'{choice}' is no ground", f"choose {listed(CHOICES)}"
+        )
     upper, lower = split(light.sky)
     seen = exact_irradiance(lower, [[0.0, 0.0, -1.0]])[0]
     if choice == "none" or (choice == "hdri" and not seen.any()):

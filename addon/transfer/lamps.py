@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
+from ..errors import InputError, parameter
 from ..spectra import illuminants
 from ..spectra.ensemble import uv
 from ..spectra.grid import WAVELENGTHS, WEIGHTS
@@ -57,11 +57,13 @@ def lamp_spectrum(lamp: str | float | ArrayLike, space: str = DEFAULT_SPACE) -> 
     values = np.asarray(lamp, dtype=float)
     if values.ndim == 0:
         if not KELVIN[0] <= values <= KELVIN[1]:
-            raise InputError("--lamp", f"{values:g} K", f"give {KELVIN[0]:g} to {KELVIN[1]:g}")
+            raise InputError(
+                parameter("lamp"), f"{values:g} K", f"give {KELVIN[0]:g} to {KELVIN[1]:g}"
+            )
         return _bright(black_body(float(values)))
     rgb = np.maximum(values, 0.0)
     if values.shape != (3,) or not np.isfinite(values).all() or not rgb.any():
-        raise InputError("--lamp", f"{values.tolist()} is no light", "give R, G and B")
+        raise InputError(parameter("lamp"), f"{values.tolist()} is no light", "give R, G and B")
     return _of_colour(rgb, observer(space))
 
 
@@ -175,7 +177,7 @@ def _named(lamp: str) -> NDArray[np.float64]:
     if (spectrum := illuminants.named(lamp)) is not None:
         return _bright(spectrum)
     raise InputError(
-        "--lamp",
+        parameter("lamp"),
         f"'{lamp}' is no file, temperature or known lamp",
         "give a CSV, kelvin as 2700, or a name as A, D50, FL2, FL11, LED-B3, HP1",
     )
@@ -190,7 +192,7 @@ def _of_colour(rgb: NDArray, S: NDArray) -> NDArray[np.float64]:
         nearest = np.argmin(np.sum((colours - uv(to_XYZ @ wanted)) ** 2, axis=1))
         if (found := spectrum_with_colour(candidates[nearest], wanted, S)) is not None:
             return found
-    raise InputError("--lamp", f"{rgb.tolist()} is no light's colour", "give a paler one")
+    raise InputError(parameter("lamp"), f"{rgb.tolist()} is no light's colour", "give a paler one")
 
 
 @cache

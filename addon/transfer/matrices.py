@@ -17,7 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
+from ..errors import InputError, parameter
 from ..spectra import bases, sensitivities
 from ..spectra.working_spaces import DEFAULT_SPACE
 
@@ -146,7 +146,7 @@ def transfer(
     )
     if mapping.largest > _TOO_LARGE:
         raise InputError(
-            "--basis",
+            parameter("basis"),
             f"'{basis}': its spectra differ too little; a sky's noise could grow "
             f"{mapping.largest:.0f} times",
             "give more various skies or another basis",
@@ -159,6 +159,8 @@ def check_white(white: ArrayLike) -> NDArray[np.float64]:
     values = np.asarray(white, dtype=float)
     if values.shape != (3,) or not np.all(np.isfinite(values) & (values > 0)):
         raise InputError(
-            "--white", f"{values.tolist()} is no colour", "give three numbers above 0: R,G,B"
+            parameter("white"),
+            f"{values.tolist()} is no colour",
+            "give three numbers above 0: R,G,B",
         )
     return values

@@ -85,9 +85,9 @@ class WhiteEstimate:
             return ""
         r, g, b = self.white
         return (
-            f"this sky looks white-balanced: as it is, colours are off by ΔE "
-            f"{self.ignored_delta_E:.1f} more; --white {r:.2f},{g:.2f},{b:.2f} (or auto) undoes it "
-            f"to ΔE {self.added_delta_E:.1f}"
+            f"this sky looks white-balanced, which adds ΔE {self.ignored_delta_E:.1f}; "
+            f"{r:.2f},{g:.2f},{b:.2f} (or auto) as its neutral light leaves ΔE "
+            f"{self.added_delta_E:.1f}"
         )
 
     def _apart(self, other: NDArray[np.float64]) -> float:

@@ -10,6 +10,7 @@ import bpy
 from .. import choices
 from ..choices import items
 from ..errors import InputError
+from .labels import told
 
 UNITS = (
     ("AUTO", "From the File", "By the column headers, else by the size of the numbers"),
@@ -99,7 +100,7 @@ def of_scene(scene: bpy.types.Scene):
             try:
                 chosen[material] = read(material)
             except InputError as error:
-                chosen[material] = str(error)
+                chosen[material] = told(error)
     return chosen
 
 
@@ -121,7 +122,7 @@ def changed_files(materials) -> tuple[dict[bpy.types.Material, str], list[str]]:
         try:
             found = read(material)
         except InputError as error:
-            lost.append(f"{material.name} keeps its reflectance, but {error}")
+            lost.append(f"{material.name} keeps its reflectance, but {told(error)}")
         else:
             if found.hash != managed.record.reflectance_hash:
                 changed[material] = f"{bpy.path.basename(own.filepath)} has changed: apply it anew"

@@ -4,6 +4,7 @@ import bpy
 
 from ..errors import InputError
 from . import panel_text, targets, wheels
+from .labels import told
 
 
 def draw(layout, context, material) -> None:
@@ -13,7 +14,7 @@ def draw(layout, context, material) -> None:
     try:
         spectral_material.check_editable(material)
     except InputError as error:
-        panel_text.paragraph(layout, context, str(error), "LIBRARY_DATA_DIRECT")
+        panel_text.paragraph(layout, context, told(error), "LIBRARY_DATA_DIRECT")
     else:
         _choose(layout, context, material)
     panel_text.material(layout, context, material)

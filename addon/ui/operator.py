@@ -12,6 +12,7 @@ import bpy
 from ..errors import InputError
 from ..progress import Progress, run
 from . import staleness_handlers, wheels
+from .labels import told
 
 
 class Thin:
@@ -41,7 +42,7 @@ class Thin:
             with _busy(context):
                 lines = self.run(context)
         except InputError as error:
-            self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
+            self.report({"ERROR"}, told(error))  # type: ignore[attr-defined]
             return {"CANCELLED"}
         staleness_handlers.after(context)
         for level, line in lines:
@@ -106,7 +107,7 @@ class Long(Thin):
                 return self._end(context, done.value)
             except InputError as error:  # the rooms check before they change
                 self._tidy(context)
-                self.report({"ERROR"}, str(error))  # type: ignore[attr-defined]
+                self.report({"ERROR"}, told(error))  # type: ignore[attr-defined]
                 return {"CANCELLED"}
             except Exception:
                 self._tidy(context)
@@ -131,7 +132,7 @@ class Long(Thin):
         try:
             lines = self.finish(context, done)
         except InputError as error:
-            lines = [("ERROR", str(error))]
+            lines = [("ERROR", told(error))]
         staleness_handlers.after(context)
         for level, line in lines:
             self.report({level}, line)  # type: ignore[attr-defined]
@@ -145,7 +146,7 @@ def no_sky(context: bpy.types.Context) -> str:
     try:
         hdri.sky_of(context.scene.world)
     except InputError as error:
-        return str(error)
+        return told(error)
     return ""
 
 

@@ -9,6 +9,7 @@ import bpy
 from .. import tags
 from ..errors import InputError
 from . import staleness_handlers
+from .labels import told
 
 CHARACTER = 5.6
 """Mean width of a character [pixels at scale 1]: Blender does not wrap text by itself."""
@@ -41,7 +42,7 @@ def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     try:
         seen = worlds.sky_of(world)
     except InputError as error:
-        paragraph(layout, context, str(error), "ERROR")
+        paragraph(layout, context, told(error), "ERROR")
         return
     layout.label(text=f"Sky: {seen.name}", icon="WORLD" if seen.image is None else "IMAGE_DATA")
     found = light_group.description_of(world)

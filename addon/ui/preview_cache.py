@@ -15,6 +15,7 @@ import bpy
 import bpy.utils.previews
 
 from ..errors import InputError
+from .labels import told
 
 KEPT = 48
 """Pictures: some 1 MB each."""
@@ -56,7 +57,7 @@ def draw_wanted() -> None:
         try:
             _keep(key, draw())
         except InputError as error:
-            _problems[key] = str(error)
+            _problems[key] = told(error)
 
 
 def pixels(key: Hashable) -> Any:

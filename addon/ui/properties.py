@@ -12,6 +12,7 @@ import bpy
 from ..choices import GROUNDS, OCCLUSIONS, SIMPLEST, items, offered_bases
 from ..errors import InputError
 from . import choice
+from .labels import told
 
 START = {"basis": SIMPLEST, "tolerance": 0.5, "gloss": True}
 """What the panel starts with; scripts and the command line choose for themselves."""
@@ -26,7 +27,7 @@ def _file_changed(self, context) -> None:
     try:
         names = self.read_names(self.filepath, self.kind)
     except InputError as error:
-        self.problem = str(error)
+        self.problem = told(error)
         return
     if self.column not in names:
         likely = names[0] if len(names) == 1 else self.id_data.name

@@ -81,7 +81,7 @@ def _alive(pid):
 
 
 def test_no_such_blender_is_told_before_the_first_task(tmp_path):
-    with pytest.raises(InputError, match="blender-of-nobody.*--blender"):
+    with pytest.raises(InputError, match="blender-of-nobody.*check blender"):
         blender_command("blender-of-nobody")
     with pytest.raises(InputError):
         blender_command(tmp_path)

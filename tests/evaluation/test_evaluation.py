@@ -142,7 +142,7 @@ def test_a_day_without_sun_is_refused():
     pytest.importorskip("pvlib")
     with pytest.raises(InputError, match="no sun rises"):
         day.simulate_day("2025-12-21", 80.0, 0.0)
-    with pytest.raises(InputError, match="--step"):
+    with pytest.raises(InputError, match="step"):
         day.simulate_day("2025-12-21", 0.0, 0.0, step=1)
 
 

@@ -180,7 +180,7 @@ def test_told_methods_are_told_each_sky_alone(checker):
 
 
 def test_a_sun_that_is_not_known_is_asked_for(checker):
-    with pytest.raises(InputError, match="--sun-elevation"):
+    with pytest.raises(InputError, match="sun elevation"):
         estimate(METHODS["atmosphere, elevation known"], [Sky(ROUGH)], checker)
 
 

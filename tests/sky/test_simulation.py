@@ -204,11 +204,11 @@ def test_unwritable_cache_is_no_matter(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("settings", "part"),
     [
-        ({"sun_elevation": -7.0}, "--sun-elevation"),
-        ({"sun_elevation": float("nan")}, "--sun-elevation"),
-        ({"orders": 0}, "--orders"),
-        ({"quality": "best"}, "--quality"),
-        ({"seed": -1}, "--seed"),
+        ({"sun_elevation": -7.0}, "^sun elevation: "),
+        ({"sun_elevation": float("nan")}, "^sun elevation: "),
+        ({"orders": 0}, "^orders: "),
+        ({"quality": "best"}, "^quality: "),
+        ({"seed": -1}, "^seed: "),
     ],
 )
 def test_out_of_range_is_said(settings, part):

@@ -109,7 +109,7 @@ def test_elevations_and_colours_that_tell_nothing_more():
         np.testing.assert_array_equal(
             bases.atmosphere(sky_rgb=(0.0, 0.0, 0.0), **known), bases.atmosphere(**known)
         )
-    with pytest.raises(InputError, match="--sun-elevation: 91"):
+    with pytest.raises(InputError, match="sun elevation: 91"):
         bases.atmosphere(sun_elevation=91.0)
 
 

@@ -143,7 +143,11 @@ BROKEN = {
     "under 0": (replaced(500, "500,-0.01"), None, [":14", "'brick'", "under 0"]),
     "over 1.05": (replaced(500, "500,1.3"), "fraction", [":14", "'brick'", "1.05"]),
     "over 105 percent": (replaced(500, "500,140"), None, [":14", "'brick'", "1.05"]),
-    "between fraction and percent": (replaced(500, "500,1.5"), None, [":14", "'brick'", "--unit"]),
+    "between fraction and percent": (
+        replaced(500, "500,1.5"),
+        None,
+        [":14", "'brick'", "give unit"],
+    ),
     "NaN": (replaced(500, "500,nan"), None, [":14", "'brick'", "not a number"]),
     "empty cell": (replaced(500, "500,"), None, [":14", "'brick'", "not a number"]),
     "infinity": (replaced(500, "500,inf"), "fraction", [":14", "'brick'", "not a number"]),

@@ -56,5 +56,5 @@ def test_the_scene_has_its_balance():
 
 
 def test_an_unknown_space_is_said():
-    with pytest.raises(InputError, match="--space"):
+    with pytest.raises(InputError, match="space"):
         prefiltered(RHO, D65(), "sRGB")

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from ...errors import InputError
+from ...errors import InputError, parameter
 from ..dispatch import CHUNK, Picture, chunks
 from ..plan import read_header, read_tasks
 from ..run import unprepared
@@ -48,7 +48,7 @@ def job_of(
     header = read_header(plan)
     name = Path(header["study"]).stem
     if missing := unprepared(plan):
-        cure = "batch plan STUDY.toml --prepare"
+        cure = f"run batch plan STUDY.toml with {parameter('prepare')}"
         raise InputError(plan, f"{missing} is not prepared", cure)
     pictures = picture_ranges(chunks(read_tasks(plan), size, header["tasks"], workers))
     return {
@@ -96,7 +96,9 @@ def submit(manager: str, job: dict[str, Any]) -> str:
 
 def _address(manager: str) -> str:
     if not manager.startswith(("http://", "https://")):
-        raise InputError("--manager", f'"{manager}" is no address', "write http://HOST:8080")
+        raise InputError(
+            parameter("manager"), f'"{manager}" is no address', "write http://HOST:8080"
+        )
     return manager.rstrip("/")
 
 

@@ -6,14 +6,14 @@ from pathlib import Path
 
 import bpy
 
-from ...errors import InputError
+from ...errors import InputError, parameter
 from . import render_task
 
 
 def engine_id(engine: str) -> str:
     """Blender's identifier for "eevee" or "cycles"; raises InputError for another."""
     if engine.lower() not in render_task.engines():
-        raise InputError("--engine", f'"{engine}" is not known', "use eevee or cycles")
+        raise InputError(parameter("engine"), f'"{engine}" is not known', "use eevee or cycles")
     return render_task.engines()[engine.lower()]
 
 

@@ -1,0 +1,18 @@
+"""Errors as the panel shows them: parameters by the labels of their fields."""
+
+from ..errors import InputError, in_words
+
+
+def told(error: InputError) -> str:
+    """Return an error's line with each parameter as its field in the panel is labeled."""
+    return error.told(label)
+
+
+def label(parameter: str) -> str:
+    """Return the label of a parameter's field; its name in words where the panel has none."""
+    from . import batch, properties
+
+    for group in (properties.SkylightNumbers, properties.SkylightReflectance, batch.SkylightBatch):
+        if (field := group.bl_rna.properties.get(parameter)) is not None:
+            return field.name
+    return in_words(parameter).title()
