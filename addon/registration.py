@@ -1,7 +1,6 @@
 """Telling Blender what the add-on brings: classes, properties and the command ``skylight``.
 
-Nothing here computes, so nothing is imported that computes: enabling must take no time and must
-work without the wheels, for the panel to say that they are missing.
+Nothing here computes, so nothing is imported that computes: enabling must take no time.
 """
 
 from __future__ import annotations
@@ -36,7 +35,6 @@ from .ui import (
     staleness_handlers,
     update,
     view,
-    wheels,
 )
 
 MODULES = (
@@ -51,7 +49,6 @@ MODULES = (
     remove,
     explain,
     view,
-    wheels,
     panels,
     library,
     assign,

@@ -49,9 +49,7 @@ def test_the_zip_holds_the_add_on_and_nothing_else(tmp_path):
     assert blender_ext("validate", archive).returncode == 0
     names = zipfile.ZipFile(archive).namelist()
     assert {"__init__.py", "blender_manifest.toml", "LICENSE", "addon/registration.py"} <= {*names}
-    wanted = re.compile(
-        r"(addon|node_groups)/.*\.(js|md|npz|py)|wheels/.*\.whl|[A-Za-z_]+\.(md|py|toml)|LICENSE"
-    )
+    wanted = re.compile(r"(addon|node_groups)/.*\.(js|md|npz|py)|[A-Za-z_]+\.(md|py|toml)|LICENSE")
     assert [name for name in names if not wanted.fullmatch(name)] == []
 
 
@@ -67,7 +65,11 @@ def test_one_version():
         assert latest is not None and latest[1] == version
 
 
-def test_the_manifest_asks_for_files_only():
-    assert list(MANIFEST["permissions"]) == ["files"]
+def test_the_manifest_is_as_the_platform_asks():
+    """Permissions with their reasons, for what the code does and nothing else; no wheels."""
+    assert list(MANIFEST["permissions"]) == ["files", "network"]
+    sources = [p.read_text(encoding="utf-8") for p in (ROOT / "addon").rglob("*.py")]
+    assert not any("clipboard" in text for text in sources)  # it would be a permission more
+    assert "wheels" not in MANIFEST and "platforms" not in MANIFEST
     assert {*MANIFEST["tags"]} == {"Lighting", "Material", "Node", "Render"}
     assert MANIFEST["license"] == ["SPDX:GPL-3.0-or-later"]

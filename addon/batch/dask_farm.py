@@ -215,6 +215,9 @@ def dask_pool(
     """
     import cloudpickle
 
+    from .online import check_online  # workers get this module's functions, not that one's
+
+    check_online(address)
     for module in (sys.modules[__name__], worker_module, task_module, errors):
         cloudpickle.register_pickle_by_value(module)
     try:

@@ -5,7 +5,7 @@
 import bpy
 
 from ..choices import ORDERS, items
-from . import library_state, operator, panel_text, preferences, wheels
+from . import library_state, operator, panel_text, preferences
 
 ROWS = 8
 TOLD = 40
@@ -134,10 +134,6 @@ class SKYLIGHT_PT_library(bpy.types.Panel):
     bl_parent_id = "SKYLIGHT_PT_materials"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 22
-
-    @classmethod
-    def poll(cls, context):
-        return not wheels.missing()
 
     def draw(self, context):
         layout = self.layout

@@ -3,7 +3,7 @@
 import bpy
 
 from ..errors import InputError
-from . import panel_text, targets, wheels
+from . import panel_text, targets
 from .labels import told
 
 
@@ -76,9 +76,6 @@ class SKYLIGHT_PT_material_properties(Properties, bpy.types.Panel):
         return targets.active(context) is not None
 
     def draw(self, context):
-        if wheels.missing():
-            wheels.draw(self.layout, context)
-            return
         draw(self.layout, context, targets.active(context))
 
 

@@ -11,7 +11,7 @@ import bpy
 
 from ..errors import InputError
 from ..progress import Progress, run
-from . import staleness_handlers, wheels
+from . import staleness_handlers
 from .labels import told
 
 
@@ -26,7 +26,7 @@ class Thin:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether the button can be pressed; it says why not."""
-        reason = wheels.missing() or cls.hindrance(context)
+        reason = cls.hindrance(context)
         if reason:
             cls.poll_message_set(reason)  # type: ignore[attr-defined]
         return not reason

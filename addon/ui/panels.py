@@ -6,7 +6,7 @@ Sky · Materials · Result. What is rarely needed stands in a closed panel under
 import bpy
 
 from ..choices import BAKED
-from . import material_panel, panel_text, result, targets, wheels
+from . import material_panel, panel_text, result, targets
 
 
 class Sidebar:
@@ -18,13 +18,9 @@ class Sidebar:
 
 
 class Child(Sidebar):
-    """A panel inside the main one; without the wheels that one says all there is to say."""
+    """A panel inside the main one."""
 
     bl_parent_id = "SKYLIGHT_PT_main"
-
-    @classmethod
-    def poll(cls, context):
-        return not wheels.missing()
 
 
 class OfWorld(Child):
@@ -35,20 +31,16 @@ class OfWorld(Child):
 
     @classmethod
     def poll(cls, context):
-        return not wheels.missing() and context.scene.world is not None
+        return context.scene.world is not None
 
 
 class SKYLIGHT_PT_main(Sidebar, bpy.types.Panel):
-    """How far the scene is; or what is missing to begin."""
+    """How far the scene is."""
 
     bl_label = "Spectral Skylight"
 
     def draw(self, context):
-        layout = self.layout
-        if wheels.missing():
-            wheels.draw(layout, context)
-            return
-        result.summary(layout, context)
+        result.summary(self.layout, context)
 
 
 class SKYLIGHT_PT_sky(Child, bpy.types.Panel):
@@ -149,7 +141,7 @@ class SKYLIGHT_PT_left(Child, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return not wheels.missing() and bool(result.left_alone(context))
+        return bool(result.left_alone(context))
 
     def draw(self, context):
         result.left(self.layout, context)

@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 
 from ..errors import InputError
-from . import material_panel, panel_text, panels, preview_cache, properties, targets, wheels
+from . import material_panel, panel_text, panels, preview_cache, properties, targets
 
 ROWS = 30
 """Materials whose errors are shown as bars."""
@@ -24,7 +24,7 @@ class OfMaterial:
     def poll(cls, context):
         from ..scene.materials import spectral_material
 
-        return not wheels.missing() and spectral_material.is_managed(targets.active(context))
+        return spectral_material.is_managed(targets.active(context))
 
 
 class Curve(OfMaterial):

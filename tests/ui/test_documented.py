@@ -10,8 +10,8 @@ from spectral_skylight.addon.ui import menu
 
 UI = Path(__file__).resolve().parents[2] / "addon" / "ui"
 TEXT = (UI / "README.md").read_text(encoding="utf-8")
-WITHOUT_A_MENU = {"add_folder", "remove_folder", "copy_command", "drop_reflectance"}
-"""Those of the preferences, of what is missing, and of a drop: what nobody searches for."""
+WITHOUT_A_MENU = {"add_folder", "remove_folder", "drop_reflectance"}
+"""Those of the preferences and of a drop: what nobody searches for."""
 
 
 def sections():

@@ -10,7 +10,6 @@ from spectral_skylight.tests.ui import stage
 pytestmark = pytest.mark.blender
 
 ELSEWHERE = {
-    "skylight.copy_command",  # where the wheels are missing, in the panel
     "skylight.drop_reflectance",  # what is dropped on the 3D view
     "skylight.add_folder",  # the preferences'
     "skylight.remove_folder",

@@ -1,6 +1,5 @@
 """What the panels show, drawn into a layout that records."""
 
-import importlib.util
 import json
 import pathlib
 
@@ -9,7 +8,7 @@ import pytest
 
 from spectral_skylight.addon import tags
 from spectral_skylight.addon.scene.materials import spectral_material
-from spectral_skylight.addon.ui import material_panel, panels, result, wheels
+from spectral_skylight.addon.ui import material_panel, panels, result
 from spectral_skylight.tests.ui.stage import drawn, select
 
 pytestmark = pytest.mark.blender
@@ -148,23 +147,6 @@ def test_drawing_opens_no_file(applied, monkeypatch):
     monkeypatch.setattr("builtins.open", refuse)
     for panel in (*panels.CLASSES, *material_panel.CLASSES):
         drawn(panel)
-
-
-def test_missing_wheels_are_one_sentence(applied, monkeypatch):
-    found = importlib.util.find_spec
-    without = lambda name, *rest: None if name == "colour" else found(name, *rest)  # noqa: E731
-    monkeypatch.setattr(importlib.util, "find_spec", without)
-    wheels.missing.cache_clear()
-    try:
-        main = drawn(panels.SKYLIGHT_PT_main)
-        assert main.text.startswith("colour-science missing: install the Spectral Skylight zip")
-        assert main.operators == []
-        assert not panels.SKYLIGHT_PT_material.poll(bpy.context)
-        assert "zip" in drawn(material_panel.SKYLIGHT_PT_material_properties).text
-        with pytest.raises(RuntimeError, match="colour-science missing"):
-            bpy.ops.skylight.update()
-    finally:
-        wheels.missing.cache_clear()
 
 
 def test_every_operator_in_a_panel_exists(applied):

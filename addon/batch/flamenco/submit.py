@@ -17,6 +17,7 @@ from typing import Any
 
 from ...errors import InputError, parameter
 from ..dispatch import CHUNK, Picture, chunks
+from ..online import check_online
 from ..plan import read_header, read_tasks
 from ..run import unprepared
 
@@ -125,6 +126,7 @@ class _NoRedirect(urllib.request.HTTPRedirectHandler):
 def _call(address: str, content: dict[str, Any] | None = None) -> dict[str, Any]:
     data = None if content is None else json.dumps(content).encode()
     request = urllib.request.Request(address, data, {"Content-Type": "application/json"})
+    check_online(address)
     # To this address and no other: neither a proxy nor where the answer may point.
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), _NoRedirect)
     with opener.open(request, timeout=60) as answer:
