@@ -200,6 +200,23 @@ def test_half_beside_float_and_many_channels(tmp_path):
         exr_decoder.read_sky(path)
 
 
+@pytest.mark.parametrize("packing", ["ZIP", "PIZ", "DWAA"])
+def test_grey_and_tristimulus(tmp_path, packing):
+    """A lone Y, plain or in a layer, with alpha or depth beside it; and X, Y, Z."""
+    grey, header = light()[..., :1], {"compression": getattr(OpenEXR, f"{packing}_COMPRESSION")}
+    alone = {"Y": grey[..., 0].copy()}
+    for number, channels in enumerate(
+        (alone, alone | {"A": np.zeros_like(alone["Y"])}, {"L.Y": alone["Y"], "L.Z": alone["Y"]})
+    ):
+        path = write(tmp_path / f"{number}.exr", header, dict(channels))
+        held = exr.planes(path)
+        truth = next(plane for name, plane in held.items() if name.endswith("Y"))
+        np.testing.assert_array_equal(both(path), np.repeat(truth[..., None], 3, axis=2))
+    path = write(tmp_path / "xyz.exr", header, planes(light(), letters="XYZ"))
+    held = exr.planes(path)
+    np.testing.assert_array_equal(both(path), np.stack([held[c] for c in "XYZ"], axis=2))
+
+
 def test_damage_is_one_line(tmp_path, capfd):
     """Whatever is changed among the pixels: read, or refused in one line, and nothing printed."""
     path = write(tmp_path / "a.exr", {}, planes(np.round(light())))  # ZIP, which has checksums

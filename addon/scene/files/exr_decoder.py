@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from ...sky.exr_file import Decode, decode_by_openexr, quiet, read_exr
 from ...sky.panorama import Panorama, read_panorama
 
-_PLACES = {"R": 0, "G": 1, "B": 2, "Y": 0}
+_PLACES = {"R": 0, "G": 1, "B": 2, "X": 0, "Y": 1, "Z": 2}
+"""Where Blender puts a channel; a lone Y it puts everywhere, and converts none."""
 
 
 def read_sky(path: str | Path, raw: bool = False) -> Panorama:
@@ -26,10 +27,10 @@ def decoder() -> Decode:
 
 
 def decode_by_blender(path: Path, names: tuple[str, ...]) -> NDArray[np.float32]:
-    """Unpack channels R, G, B or Y of a plain file by Blender, (h, w, k) float32, top row first.
+    """Unpack channels R, G, B, or X, Y, Z of a plain file by Blender, (h, w, k), top row first.
 
-    The numbers are those of the file to the last bit: tagged Non-Color nothing is converted.
-    Channels that could not be called so (`sky.exr_plain`) must be Blender's own Combined layer.
+    The numbers are those of the file to the last bit, float32: tagged Non-Color none is converted.
+    Channels that keep other names (`sky.exr_plain`) are a layer that Blender has to take out.
     Raises ValueError where Blender cannot unpack them.
     """
     import bpy

@@ -11,6 +11,7 @@ import io
 import json
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -73,9 +74,18 @@ def _packed(path: Path, sky: Panorama, raw: bool) -> bpy.types.Image:
 def is_of(image: bpy.types.Image, path: Path) -> bool:
     """Return whether an image shows a file, or holds it as it was read."""
     if KEY in image:
-        return bool(json.loads(image[KEY])["file"] == _stamp(path))
+        return bool(_kept(image).get("file") == _stamp(path))
     file = bpy.path.abspath(image.filepath, library=image.library)
     return image.source == "FILE" and bool(file) and Path(file).resolve() == path
+
+
+def _kept(image: bpy.types.Image) -> dict[str, Any]:
+    """Return what is kept with an image; empty where that was overwritten."""
+    try:
+        found = json.loads(image[KEY])
+    except (TypeError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def _stamp(path: Path) -> list[str | int]:
@@ -90,7 +100,7 @@ def _stamp(path: Path) -> list[str | int]:
 def notes(image: bpy.types.Image) -> list[str]:
     """Return what should be known of an image's numbers, by the header of its file, a line each."""
     if KEY in image:
-        return list(json.loads(image[KEY])["notes"])
+        return [str(note) for note in _kept(image).get("notes", ())]
     said = _said(image)
     if said is None:
         return []
