@@ -168,6 +168,8 @@ def _unpacked(
                 pixels = decode(copy, tuple(names[channel.name] for channel in colours.channels))
     except (InputError, MemoryError):
         raise
+    except ImportError:
+        raise InputError(path, "is read by OpenEXR", "install it: pip install OpenEXR") from None
     except Exception as error:  # a library raises whatever the damage leads it to
         kind = COMPRESSIONS.get(part.compression, (f"number {part.compression}", 0))[0]
         reason = " ".join(str(error).split()) or type(error).__name__

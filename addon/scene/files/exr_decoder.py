@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
 import tempfile
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import InputError
 from ...sky.exr_file import Decode, decode_by_openexr, quiet, read_exr
 from ...sky.panorama import Panorama, read_panorama
 
@@ -72,7 +74,7 @@ def _combined(path: Path, names: tuple[str, ...]) -> NDArray[np.float32]:
                 image.save_render(str(copy), scene=scene)
         finally:
             bpy.data.batch_remove([image, scene])
-        if copy.is_file():
+        with contextlib.suppress(InputError, OSError):  # what Blender saved is something else
             pixels, header = read_exr(copy, copy.stat().st_size, decode_by_blender)
             if header["layer"] == names[0].rpartition(".")[0] and header["channels"] == "RGB":
                 return pixels

@@ -100,11 +100,13 @@ def _stamp(path: Path) -> list[str | int]:
 def notes(image: bpy.types.Image) -> list[str]:
     """Return what should be known of an image's numbers, by the header of its file, a line each."""
     if KEY in image:
-        return [str(note) for note in _kept(image).get("notes", ())]
+        found = _kept(image).get("notes")
+        return [str(note) for note in found] if isinstance(found, list) else []
     said = _said(image)
     if said is None:
         return []
-    found, tag = list(said.declared.told), image.colorspace_settings
+    tag = image.colorspace_settings
+    found = list(said.declared.told)
     if said.layer:
         found.append(f"{said.layer}; {LOAD}, so that Blender shows the same")
     if said.declared.factors is not None:
