@@ -201,7 +201,7 @@ for tree in bpy.data.node_groups:  # as made before sockets had tooltips
     for item in tree.interface.items_tree:
         item.description = ""
 frame("no tooltips")
-sky_light.ensure(world)
+light_group.ensure(world)
 assert all(item.description for tree in bpy.data.node_groups for item in tree.interface.items_tree)
 frame("tooltips")
 material.node_tree.nodes["Skylight Surface"].inputs["Normal"].hide_value = False
