@@ -6,9 +6,10 @@ import OpenEXR
 import pytest
 
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene import spectral
+from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.world import hdri as worlds
 from spectral_skylight.addon.scene.world import panorama, sky_image
+from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.sky.declared_colours import SPACES
 from spectral_skylight.addon.sky.panorama import read_panorama, write_panorama
 from spectral_skylight.addon.spectra.sensitivities import observer
@@ -81,7 +82,7 @@ def test_a_scene_shows_and_knows_what_the_file_means(scene, tmp_path, name):
     path = tmp_path / name
     write(path)
     truth = read_panorama(path)
-    world = spectral.set_sky(scene, path, spectral.Settings())
+    world = use_cases.set_sky(scene, path, Settings())
     image = worlds.sky_of(world).image
     # Blender's own conversion: 4.5 keeps tables of 16 bits.
     tolerance = 0.0 if not word or not space else 4e-4 * truth.rgb.max()
@@ -179,5 +180,5 @@ def test_no_image_is_left_where_a_file_is_refused(scene, tmp_path):
     exr({"colorInteropID": "srgb_rec709_scene"}, planes(sky()))(path)
     before = len(bpy.data.images), len(bpy.data.worlds)
     with pytest.raises(InputError, match="srgb_rec709_scene, which is no linear light"):
-        spectral.set_sky(scene, path, spectral.Settings())
+        use_cases.set_sky(scene, path, Settings())
     assert (len(bpy.data.images), len(bpy.data.worlds)) == before
