@@ -6,6 +6,7 @@ Exit codes: 0 done, 1 failed, 2 wrong usage or bad input (one line on stderr).
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from importlib import import_module
@@ -29,6 +30,9 @@ COMMANDS = (
 )
 """Names of the commands and of their modules."""
 
+LABORATORY = ("evaluate", "chart")
+"""Those that measure speed, too: as numpy is."""
+
 
 class _Parser(argparse.ArgumentParser):
     """A parser whose errors are one line."""
@@ -45,6 +49,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options = parser.parse_args(arguments)
     except SystemExit as stop:  # --help, wrong usage
         return int(stop.code or 0)
+    if options.command not in LABORATORY:
+        # Before numpy is imported. Products are small here: OpenBLAS's threads wait for one another
+        # longer than they work, most of all where other work fills the processors.
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         options.run(options)
     except InputError as error:
@@ -66,7 +74,7 @@ def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     parser = _Parser(
         prog="spectral-skylight", description="Spectrally correct colours under skies."
     )
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
     for name in [first] if first in COMMANDS else COMMANDS:
         import_module(f".commands.{name}", __package__).add(commands)
     return parser

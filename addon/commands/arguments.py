@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from pathlib import Path
 from typing import Any
 
@@ -56,15 +55,6 @@ def chosen_reflectances(options: argparse.Namespace) -> tuple[tuple[str, ...], A
     read = [read_reflectances(file, options.unit) for file in options.reflectances]
     names = tuple(name for one in read for name in one.names)
     return names, np.concatenate([one.values for one in read])
-
-
-def use_one_thread() -> None:
-    """Keep numpy's products to one thread, unless the environment says otherwise.
-
-    To be called before numpy is imported. Where products are small, OpenBLAS's threads wait for one
-    another longer than they work, most of all where other work fills the processors.
-    """
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def positive(text: str) -> float:

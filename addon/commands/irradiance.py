@@ -7,7 +7,7 @@ import json
 from typing import Any
 
 from ..errors import InputError
-from .arguments import use_one_thread, white_or_auto
+from .arguments import white_or_auto
 
 
 def add(commands: Any) -> None:
@@ -31,7 +31,6 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Write the irradiance map; print the fit."""
-    use_one_thread()
     import numpy as np
 
     from ..scene.files.exr_decoder import read_sky

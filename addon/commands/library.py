@@ -9,7 +9,6 @@ from typing import Any
 
 from ..choices import ORDERS, default
 from ..errors import InputError
-from .arguments import use_one_thread
 from .progress_bar import run_with_bar
 from .under_sky import add_sky_options, choose
 
@@ -35,7 +34,6 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Print what is in the folders, and what of it cannot be used."""
-    use_one_thread()
     import numpy as np
 
     from ..spectra import library

@@ -7,7 +7,6 @@ import json
 import sys
 from typing import Any
 
-from .arguments import use_one_thread
 from .under_sky import add_sky_options, choose
 
 
@@ -22,7 +21,6 @@ def add(commands: Any) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Print the matrices of all materials, and under a sky their predicted errors."""
-    use_one_thread()
     import numpy as np
 
     from ..spectra.reflectance import read_reflectances
