@@ -240,15 +240,3 @@ def test_the_batch_hashes_every_room_that_it_reaches():
         left = near - reached
     assert {"spectra", "sky", "transfer", "scene"} <= reached
     assert not reached & {name.removesuffix(".py") for name in NOT_IN_PICTURES}
-
-
-def test_relative_imports_find_what_they_name():
-    """Late ones too, which no import of the package would try."""
-    found = {".".join(path.relative_to(ROOT).with_suffix("").parts) for path in FILES}
-    found |= {".".join(path.relative_to(ROOT).parent.parts) for path in FILES}
-    wrong = [
-        str(one)
-        for one in ALL
-        if one.relative and not {one.module, one.module.rpartition(".")[0]} & found
-    ]
-    assert wrong == []

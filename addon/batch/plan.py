@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..whole_files import writing
 from .file_names import file_names
 from .scenes import SceneFile
-from .study import Sky, Study, Variant, content_hash
+from .study import Study, StudySky, Variant, content_hash
 from .task import Task, copy_scripts, task_of
 
 FORMAT = "spectral-skylight plan"
@@ -33,7 +33,7 @@ class Prepared:
     """Relative to the plan, as in `Task`."""
     name: str
     scene: SceneFile
-    sky: Sky
+    sky: StudySky
     variant: Variant
     key: str
     """Hash of all that decides the file."""

@@ -23,7 +23,7 @@ from ..whole_files import write_json
 from .file_names import file_names
 from .plan import Prepared, prepared_files
 from .scenes import SceneFile
-from .study import Sky, Study, file_hash
+from .study import Study, StudySky, file_hash
 
 FOLDER = "prepared"
 
@@ -82,7 +82,7 @@ def record(out: Path, blend: str) -> dict[str, Any] | None:
         return None
 
 
-def _sky_file(study: Study, sky: Sky) -> Path:
+def _sky_file(study: Study, sky: StudySky) -> Path:
     """Return the file that a sky is read from; it is simulated where it is none."""
     if sky.file is not None:
         return sky.file

@@ -9,6 +9,9 @@ from html import escape
 from typing import Any
 from urllib.parse import quote
 
+import numpy as np
+
+from ..spectra.working_spaces import srgb
 from .duration import duration
 
 MOST = 5000
@@ -104,11 +107,9 @@ def _number(value: float | None) -> str:
 
 
 def _css(linear: list[float]) -> str:
-    """Return a linear colour as sRGB, as bright as a swatch can be (IEC 61966-2-1)."""
-    over = max(1.0, *linear)
-    parts = [max(0.0, part) / over for part in linear]
-    curved = [12.92 * p if p <= 0.0031308 else 1.055 * p ** (1 / 2.4) - 0.055 for p in parts]
-    return "rgb(" + " ".join(f"{255 * p:.0f}" for p in curved) + ")"
+    """Return a linear colour as sRGB, as bright as a swatch can be."""
+    parts = srgb(np.array(linear) / max(1.0, *linear))
+    return "rgb(" + " ".join(f"{255 * p:.0f}" for p in parts) + ")"
 
 
 def _sheet(found: dict[str, Any]) -> str:

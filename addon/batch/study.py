@@ -62,7 +62,7 @@ VARIANT_KEYS = ("name", "assign")
 
 
 @dataclass(frozen=True)
-class Sky:
+class StudySky:
     """A sky file, or a sun to simulate one for.
 
     ``north`` [degrees]: where true north is in the scene, clockwise from +Y seen from above; None
@@ -96,7 +96,7 @@ class Study:
     scenes: tuple[Path, ...]
     cameras: tuple[str, ...] | None
     """None: all of each scene."""
-    skies: tuple[Sky, ...]
+    skies: tuple[StudySky, ...]
     variants: tuple[Variant, ...]
     frames: tuple[int, ...] | None
     engine: str | None
@@ -177,16 +177,16 @@ def _settings(table: Table) -> dict[str, Any]:
     return found
 
 
-def _skies(table: Table, here: Path) -> tuple[Sky, ...]:
+def _skies(table: Table, here: Path) -> tuple[StudySky, ...]:
     found = table.items("skies", (str, dict), "give HDRI files, or tables with date and times")
-    skies: list[Sky] = []
+    skies: list[StudySky] = []
     for number, value in enumerate(found, 1):
         values = {"file": value} if isinstance(value, str) else value
         skies += _sky(Table(f"{table.place}, skies {number}", values, SKY_KEYS), here)
     return tuple(skies)
 
 
-def _sky(table: Table, here: Path) -> Iterable[Sky]:
+def _sky(table: Table, here: Path) -> Iterable[StudySky]:
     """Give the skies of one table: a file's, or one for each of its times."""
     from ..scene.files.exr_decoder import read_sky
     from ..sky.simulation import LOWEST_SUN
@@ -199,7 +199,7 @@ def _sky(table: Table, here: Path) -> Iterable[Sky]:
         file = _file(table.place, here / table.text("file"))
         read_sky(file)
         north = table.number("north", -360.0, 360.0, None)
-        yield Sky(table.text("name", file.stem), file_hash(file), north, file=file)
+        yield StudySky(table.text("name", file.stem), file_hash(file), north, file=file)
         return
     date = str(table.items("date", (str, datetime.date), "give YYYY-MM-DD")[0])[:10]
     times = table.items("times", (str, datetime.time), "give times such as 09:00")
@@ -221,7 +221,7 @@ def _sky(table: Table, here: Path) -> Iterable[Sky]:
                 f"skies are simulated down to {LOWEST_SUN:g}°: leave that time out",
             )
         name = f"{table.text('name', '')}_{date}_{time[:5].replace(':', '')}".lstrip("_")
-        yield Sky(name, content_hash([*sun]), north, sun=sun)
+        yield StudySky(name, content_hash([*sun]), north, sun=sun)
 
 
 def _variants(table: Table, here: Path) -> tuple[Variant, ...]:

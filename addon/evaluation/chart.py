@@ -23,7 +23,7 @@ from ..spectra.working_spaces import LUMINANCE
 from ..transfer.measures import delta_E, relative_error
 from .day import ROWS, face_weights
 from .evaluation import Errors, errors_of
-from .light_methods import LIGHT_METHODS, PLACES, Dome, LightMethod
+from .light_methods import LIGHT_METHODS, PLACES, LightMethod, SkyPicture
 from .methods import METHODS, Method, Sky, true_colours, with_basis
 from .one_light import cases, ways
 from .speed import nanoseconds
@@ -98,7 +98,7 @@ class FullSky:
     """
 
     sky: Sky
-    dome: Dome
+    dome: SkyPicture
     sun: NDArray[np.float64]
 
 
@@ -112,7 +112,7 @@ def full_skies(elevations: Iterable[float], progress: bool = False) -> list[Full
         spectral = picture(simulated, ROWS, 200.0).astype(float)
         lights = weights @ spectral.reshape(-1, spectral.shape[-1])
         size = LUMINANCE @ observer() @ lights[0]
-        dome = Dome(spectral @ observer().T / size)
+        dome = SkyPicture(spectral @ observer().T / size)
         sun = simulated.direct * max(np.sin(np.radians(elevation)), 0.0) / size
         result.append(FullSky(Sky(lights / size, elevation), dome, sun))
     return result
@@ -200,7 +200,7 @@ def light_rows(
     exact = [with_basis("atmosphere", "elevation").prepare(one.sky, rho) for one in skies]
     for name, method in chosen.items():
         start = time.perf_counter()
-        method.prepare(Dome(skies[0].dome.rgb), place)  # a new one, of which nothing is kept
+        method.prepare(SkyPicture(skies[0].dome.rgb), place)  # a new one, of which nothing is kept
         setup = time.perf_counter() - start
         held = [method.prepare(one.dome, place) for one in skies]
         parts = []

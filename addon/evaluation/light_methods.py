@@ -28,7 +28,7 @@ _FINER = 2
 
 
 @dataclass(frozen=True)
-class Dome:
+class SkyPicture:
     """A lat-long sky (h, 2 h, 3), without the sun's disc."""
 
     rgb: NDArray[np.float64]
@@ -54,7 +54,7 @@ class Place:
     normals: NDArray[np.float64]
     sees: Callable[[NDArray[np.float64]], NDArray[np.bool_]] | None = None
 
-    def irradiance(self, sky: Dome) -> NDArray[np.float64]:
+    def irradiance(self, sky: SkyPicture) -> NDArray[np.float64]:
         """Return the true irradiance / pi (k, 3).
 
         Without walls in closed form, between walls by adding up all that is seen.
@@ -118,7 +118,7 @@ class LightMethod:
 
     name: str
     knows_walls: bool
-    prepare: Callable[[Dome, Place], Held]
+    prepare: Callable[[SkyPicture, Place], Held]
 
 
 DAMPING = 0.9925, 3.0**0.5 / 4.0
@@ -129,7 +129,7 @@ channels alike until its length is at most this part of the mean in each. What t
 rounding, 2.5 % of the mean at worst (see the tests)."""
 
 
-def _world_of_eevee(sky: Dome, place: Place) -> Held:
+def _world_of_eevee(sky: SkyPicture, place: Place) -> Held:
     """Eevee's own diffuse light: mean and first-order harmonic of the World, the latter damped."""
     height = len(sky.rgb)
     share = solid_angles(height, 2 * height)[:, None, None] / (4.0 * np.pi)
@@ -146,7 +146,7 @@ def _first_order(state: NDArray, normals: NDArray) -> NDArray:
 
 
 def _polynomial(degree: int) -> LightMethod:
-    def prepare(sky: Dome, place: Place) -> Held:
+    def prepare(sky: SkyPicture, place: Place) -> Held:
         return Held(place.normals.T, sky.polynomials[degree], horner)
 
     return LightMethod(f"degree {degree}", False, prepare)
@@ -171,7 +171,7 @@ def horner(coefficients: NDArray, normals: NDArray) -> NDArray:
 
 
 def _texture(width: int) -> LightMethod:
-    def prepare(sky: Dome, place: Place) -> Held:
+    def prepare(sky: SkyPicture, place: Place) -> Held:
         return Held(place.normals.T, irradiance_map(sky.rgb, width), look_up)
 
     return LightMethod(f"texture {width} × {width // 2}", False, prepare)
@@ -192,7 +192,7 @@ def look_up(texture: NDArray, normals: NDArray) -> NDArray:
     return ((1 - v) * upper + v * lower).T
 
 
-def _ambient_occlusion(sky: Dome, place: Place) -> Held:
+def _ambient_occlusion(sky: SkyPicture, place: Place) -> Held:
     """What is often done: the light of the open sky, times the share of it that a face sees."""
     open_sky = Place(place.normals).transfer(len(sky.fine)).sum(axis=1)
     share = place.transfer(len(sky.fine)).sum(axis=1) / open_sky
@@ -212,7 +212,7 @@ def _visibility(count: int) -> LightMethod:
     """
     degree = round(count**0.5) - 1
 
-    def prepare(sky: Dome, place: Place) -> Held:
+    def prepare(sky: SkyPicture, place: Place) -> Held:
         height = len(sky.fine)
         transfer = place.transfer(height)
         terms = monomials(directions(height, 2 * height).reshape(-1, 3), degree)
@@ -224,7 +224,7 @@ def _visibility(count: int) -> LightMethod:
     return LightMethod(f"visibility, {count} coefficients", True, prepare)
 
 
-def _suns(sky: Dome, place: Place) -> Held:
+def _suns(sky: SkyPicture, place: Place) -> Held:
     """Soft suns that shine live, each for its share of the sky (`sky.dome`), with their shadows.
 
     What a pixel holds is each sun's part that its face sees; what that takes is not counted here.

@@ -16,6 +16,7 @@ from ..sky.direct_sun import direct_sunlight
 from ..spectra.grid import WAVELENGTHS
 from ..spectra.metamer import spectrum_with_colour
 from ..spectra.sensitivities import observer
+from ..spectra.working_spaces import LUMINANCE
 from ..transfer.lamps import lamp_spectrum
 from ..transfer.matrices import transfer
 from ..transfer.prefilter import light_rgb, prefiltered
@@ -89,7 +90,7 @@ def ways(kind: str) -> Mapping[str, Method]:
 
 def _even(light: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return a light as (1, 81) of luminance 1, as the skies' are."""
-    return (light / (observer() @ light @ [0.2126, 0.7152, 0.0722]))[None]
+    return (light / (observer() @ light @ LUMINANCE))[None]
 
 
 def _as_sky(sky: Sky, rho: NDArray[np.float64]) -> Prepared:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, parameter
 from ..spectra.bases import rayleigh, restoration
-from ..spectra.ensemble import uv
+from ..spectra.chromaticity import uv
 from ..spectra.grid import WEIGHTS
 from ..spectra.metamer import spectrum_with_colour
 from ..spectra.sensitivities import cmfs, observer

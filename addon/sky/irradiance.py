@@ -14,6 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..spectra.chromaticity import uv
+from ..spectra.working_spaces import DEFAULT_SPACE, XYZ_to_working
 from .lat_long import directions
 from .polynomial import HIGHEST_DEGREE, monomials
 
@@ -125,14 +127,8 @@ def _sums_of(sky: ArrayLike) -> NDArray[np.float64]:
     return sky if sky.ndim == 4 else running_sums(sky)
 
 
-RGB_TO_XYZ = np.array(
-    [
-        [0.4123908, 0.3575843, 0.1804808],
-        [0.2126390, 0.7151687, 0.0721923],
-        [0.0193308, 0.1191948, 0.9505322],
-    ]
-)
-"""Linear Rec.709 to CIE XYZ (ITU-R BT.709-6)."""
+RGB_TO_XYZ = np.linalg.inv(XYZ_to_working(DEFAULT_SPACE))
+"""Linear Rec.709 to CIE XYZ."""
 
 
 @dataclass(frozen=True)
@@ -201,7 +197,7 @@ def fit_coefficients(
         solution = np.linalg.lstsq(terms, target * weight[:, None], rcond=None)[0]
         estimate = monomials(checked, each) @ solution @ to_xyz.T
         relative = np.abs(estimate - truth)[:, 1] / np.maximum(truth[:, 1], darkest)
-        colour = np.linalg.norm(_uv(estimate, darkest) - _uv(truth, darkest), axis=1)
+        colour = np.linalg.norm(uv(estimate, darkest) - uv(truth, darkest), axis=1)
         coefficients.append(solution)
         left = (float(relative.mean()), float(relative.max()), float(colour.max()))
         errors.append(DegreeError(each, *left))
@@ -221,9 +217,3 @@ def spread(count: int, turn: float = 0.0) -> NDArray[np.float64]:
     azimuth = index * np.pi * (3.0 - 5.0**0.5) + turn
     level = np.sqrt(1.0 - z * z)
     return np.stack([level * np.cos(azimuth), level * np.sin(azimuth), z], axis=1)
-
-
-def _uv(xyz: NDArray[np.float64], darkest: float) -> NDArray[np.float64]:
-    """Return CIE 1976 u'v', (m, 2), of XYZ, (m, 3)."""
-    total = np.maximum(xyz @ [1.0, 15.0, 3.0], darkest)
-    return xyz[:, :2] * [4.0, 9.0] / total[:, None]

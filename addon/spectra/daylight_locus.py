@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .bases import rayleigh, restoration
-from .ensemble import shipped, uv
+from .chromaticity import uv
+from .ensemble import shipped
 from .grid import WEIGHTS
 from .nearest import are_farther, second_nearest
 from .sensitivities import cmfs, observer

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from .chromaticity import uv
 from .grid import WEIGHTS
 from .sensitivities import cmfs
 from .sorting import distinct
@@ -191,9 +192,3 @@ def shipped() -> Ensemble:
             return Ensemble(**table)
     except OSError as error:
         raise InputError(TABLE, f"cannot be read ({error})", "install the add-on again") from error
-
-
-def uv(XYZ: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return CIE 1976 u'v' (..., 2)."""
-    X, Y, Z = np.moveaxis(XYZ, -1, 0)
-    return np.stack([4.0 * X, 9.0 * Y], axis=-1) / (X + 15.0 * Y + 3.0 * Z)[..., None]

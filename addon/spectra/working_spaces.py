@@ -92,6 +92,11 @@ def _XYZ(xy: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([x / y, np.ones_like(y), (1.0 - x - y) / y], axis=-1)
 
 
+def from_srgb(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return sRGB, 0 to 1, as linear Rec.709 (IEC 61966-2-1): what `srgb` returned, undone."""
+    return np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
+
+
 def srgb(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return linear Rec.709 as sRGB, 0 to 1, cut off outside (IEC 61966-2-1)."""
     rgb = np.clip(rgb, 0.0, 1.0)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, parameter
 from ..spectra import illuminants
-from ..spectra.ensemble import uv
+from ..spectra.chromaticity import uv
 from ..spectra.grid import WAVELENGTHS, WEIGHTS
 from ..spectra.light import read_light
 from ..spectra.metamer import spectrum_with_colour

@@ -7,8 +7,8 @@ from spectral_skylight.addon.evaluation.light_methods import (
     LIGHT_METHODS,
     LIVE,
     PLACES,
-    Dome,
     Place,
+    SkyPicture,
     horner,
     look_up,
     street,
@@ -28,7 +28,7 @@ def dome(degree, height=32):
     terms = monomials(directions(height, 2 * height).reshape(-1, 3), degree)
     coefficients = RNG.uniform(-0.1, 0.1, (terms.shape[1], 3))
     coefficients[0] = [1.0, 2.0, 3.0]
-    return Dome((terms @ coefficients).reshape(height, 2 * height, 3))
+    return SkyPicture((terms @ coefficients).reshape(height, 2 * height, 3))
 
 
 def irradiance(name, sky, place=OPEN):
@@ -38,7 +38,7 @@ def irradiance(name, sky, place=OPEN):
 
 @pytest.mark.parametrize("name", LIGHT_METHODS)
 def test_an_even_sky_is_held_by_all(name):
-    even = Dome(np.ones((32, 64, 3)) * [1.0, 2.0, 3.0])
+    even = SkyPicture(np.ones((32, 64, 3)) * [1.0, 2.0, 3.0])
     # Eevee keeps 0.9925 of it; rays are 2.8° apart here.
     expected = 0.9925 if name.startswith("Eevee") else 1.0
     if name == LIVE:  # its suns stand over the horizon, and their discs leave gaps
@@ -118,7 +118,7 @@ def test_live_suns_leave_what_they_leave_in_eevee():
 
 def test_the_street_hides_what_its_walls_hide():
     """Of an even sky the middle of the ground sees sin(half the opening), a wall's foot less."""
-    even, place = Dome(np.ones((96, 192, 3))), street(height=1.0)
+    even, place = SkyPicture(np.ones((96, 192, 3))), street(height=1.0)
     light = place.irradiance(even)[:, 0]
     # View factor of an endless strip: here half the opening is arctan(0.5 / 1).
     assert light[2] == pytest.approx(np.sin(np.arctan(0.5)), rel=0.02)  # rays 0.9° apart
@@ -133,7 +133,7 @@ def test_the_street_hides_what_its_walls_hide():
 
 def test_ambient_occlusion_is_right_under_an_even_sky_only():
     place = PLACES["street"]
-    even = Dome(np.ones((32, 64, 3)))
+    even = SkyPicture(np.ones((32, 64, 3)))
     name = "degree 4 × ambient occlusion"
     np.testing.assert_allclose(irradiance(name, even, place), place.irradiance(even), rtol=1e-3)
     bright = dome(1)
@@ -171,7 +171,7 @@ def test_eevee_s_own_light_is_as_it_is_modelled(tmp_path):
         worlds.set_sky(scene, path)
         scene.world.sun_threshold = 0.0
         seen = faces.seen(scene, tmp_path, len(normals))
-        expected = irradiance("Eevee's own world light", Dome(sky), Place(normals))
+        expected = irradiance("Eevee's own world light", SkyPicture(sky), Place(normals))
         # Eevee keeps the World's light in so few bits (blue has the fewest) that up to 2.4 % of
         # the mean was seen; without the damping the sharpest lobe would be off by its whole mean.
         mean = expected.mean(axis=0)

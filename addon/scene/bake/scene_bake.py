@@ -195,7 +195,7 @@ def light(
     first = dict(zip(KEYS, fit.first.tolist(), strict=False))
     named = dict(zip(KEYS, fit.coefficients.tolist(), strict=True))
     names.set_coefficients(tree, named, first)
-    sky = visibility.Sky.of(rgb, turn)
+    sky = visibility.UpperSky.of(rgb, turn)
     # One of a million keys for a sky as it stands: bakes tell by it whether they have seen it.
     digest = np.abs(fit.coefficients).sum() * 1e3 + np.cos(turn) * 10.0 + 50.0
     key = float(1 + round(digest * 7919.0) % 1_000_000)

@@ -190,7 +190,7 @@ def _rest(rays):
 
 
 @dataclass
-class Sky:
+class UpperSky:
     """A sky's upper half, ready to be looked up by rays."""
 
     cells: NDArray[np.float32]
@@ -201,7 +201,7 @@ class Sky:
     """[rad] about z from a direction in the world to that in the panorama."""
 
     @classmethod
-    def of(cls, rgb: NDArray, turn: float = 0.0) -> Sky:
+    def of(cls, rgb: NDArray, turn: float = 0.0) -> UpperSky:
         """A lat-long sky (h, 2 h, 3) without its sun, as the World shows it turned."""
         panorama = np.array(rgb, np.float32)
         height = len(panorama)
@@ -226,7 +226,7 @@ class Sky:
         return found
 
 
-def exact(sky: Sky, normals: NDArray, bits: NDArray[np.uint8]) -> NDArray[np.float64]:
+def exact(sky: UpperSky, normals: NDArray, bits: NDArray[np.uint8]) -> NDArray[np.float64]:
     """Return the irradiance / pi (n, 3) of a sky on points of which rays are known.
 
     What an open face receives, exactly, times the part of it that the rays let pass: for a face
@@ -238,7 +238,7 @@ def exact(sky: Sky, normals: NDArray, bits: NDArray[np.uint8]) -> NDArray[np.flo
     return passing(sky, normals, bits) * exact_irradiance(sky.panorama, turned[first])[index]
 
 
-def passing(sky: Sky, normals: NDArray, bits: NDArray[np.uint8]) -> NDArray[np.float64]:
+def passing(sky: UpperSky, normals: NDArray, bits: NDArray[np.uint8]) -> NDArray[np.float64]:
     """Return which part (n, 3) of an open face's RGB of a sky reaches points."""
     rays = 4 * bits.shape[1]
     _, first, index = _alike(normals)

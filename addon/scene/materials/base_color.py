@@ -11,7 +11,7 @@ from bpy.types import NodeSocket as Socket
 from numpy.typing import NDArray
 
 from ....node_groups import spectral_matrix
-from ...spectra.working_spaces import rec709_to_working
+from ...spectra.working_spaces import from_srgb, rec709_to_working
 from ...transfer.assignment import Assignment, estimate
 from ...transfer.textures import basis, carried
 from ..blend_data import working_space
@@ -87,6 +87,5 @@ def mean_colour(colour: Socket | None) -> NDArray[np.float64] | None:
     rgb = pixels[:, :3].astype(np.float64)
     if image.is_float or image.colorspace_settings.is_data:
         return rgb.mean(axis=0)  # in the working space already
-    # Blender hands out the file's own bytes: sRGB (IEC 61966-2-1).
-    linear = np.where(rgb <= 0.04045, rgb / 12.92, ((rgb + 0.055) / 1.055) ** 2.4)
-    return rec709_to_working(working_space.name()) @ linear.mean(axis=0)
+    # Blender hands out the file's own bytes: sRGB.
+    return rec709_to_working(working_space.name()) @ from_srgb(rgb).mean(axis=0)
