@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..choices import BAKED, GROUNDS, OCCLUSIONS, default, described
 from ..errors import InputError
-from .arguments import add_matrix_options, basis_name
+from .arguments import Commands, add_matrix_options, basis_name
 from .progress_bar import run_with_bar
 
 if TYPE_CHECKING:
+    from ..scene.world.settings import Settings
     from ..transfer.assignment import Assignment
 
 
-def add(commands: Any) -> None:
+def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("apply", help="make materials of a .blend spectral")
     parser.add_argument("scene", metavar="SCENE.blend")
@@ -121,7 +122,7 @@ def _assignment(text: str) -> tuple[str, str]:
     return material, reflectance
 
 
-def _settings(options: argparse.Namespace) -> Any:
+def _settings(options: argparse.Namespace) -> Settings:
     """Return the `scene.settings.Settings` of the options; a white to be found is left open."""
     from ..scene.world.settings import Settings
     from ..transfer.white import AUTO

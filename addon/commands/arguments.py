@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, TypeAlias
 
 from ..choices import BASIS, SIMPLEST, UNITS, described, offered_bases
 from ..errors import InputError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+"""What a command adds itself to."""
 
 
 def option(parameter: str) -> str:
@@ -43,7 +51,9 @@ def folder(path: str) -> Path:
     return found
 
 
-def chosen_reflectances(options: argparse.Namespace) -> tuple[tuple[str, ...], Any]:
+def chosen_reflectances(
+    options: argparse.Namespace,
+) -> tuple[tuple[str, ...], NDArray[np.float64]]:
     """Return names and reflectances (m, 81) of ``--reflectances``, else the ColorChecker's."""
     import numpy as np
 

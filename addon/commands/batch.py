@@ -13,10 +13,10 @@ from typing import Any
 
 from ..errors import InputError
 from . import batch_flamenco
-from .arguments import option
+from .arguments import Commands, option
 
 
-def add(commands: Any) -> None:
+def add(commands: Commands) -> None:
     """Add the command, and those under it, to those of the parser."""
     parser = commands.add_parser("batch", help="many pictures, here or on a farm")
     parser.set_defaults(parameter_name=_parameter_name)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from typing import Any
+
+from .arguments import Commands
 
 
-def add(steps: Any) -> None:
+def add(steps: Commands) -> None:
     """Add the command to those of `batch`."""
     parser = steps.add_parser("flamenco", help="a plan as a job for Flamenco 3")
     parser.add_argument("plan", metavar="PLAN.jsonl", help="prepared: batch plan --prepare")

@@ -5,13 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from typing import Any
 
 from ..errors import InputError
-from .arguments import add_unit, chosen_reflectances, folder
+from .arguments import Commands, add_unit, chosen_reflectances, folder
 
 
-def add(commands: Any) -> None:
+def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("chart", help="accuracy against speed, of every method")
     parser.add_argument("--out", required=True, metavar="DIR", help="picture and tables go here")

@@ -9,10 +9,10 @@ from typing import Any
 
 from ..choices import BASES, BASIS
 from ..errors import InputError
-from .arguments import add_unit, chosen_reflectances, folder, positive
+from .arguments import Commands, add_unit, chosen_reflectances, folder, positive
 
 
-def add(commands: Any) -> None:
+def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("evaluate", help="errors over a day, or under measured light")
     parser.add_argument("--out", metavar="DIR", help="figures and tables go here")

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
-from typing import Any
+
+from .arguments import Commands
 
 
-def add(commands: Any) -> None:
+def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("explain", help="every step from a material's file to its color")
     parser.add_argument("scene", metavar="SCENE.blend")

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
-from typing import Any
 
 from ..errors import InputError
-from .arguments import white_or_auto
+from .arguments import Commands, white_or_auto
 
 
-def add(commands: Any) -> None:
+def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("irradiance", help="irradiance of an HDRI, without its sun")
     parser.add_argument("sky", metavar="HDRI")

@@ -9,6 +9,7 @@ from typing import Any
 
 from ..choices import ORDERS, default
 from ..errors import InputError
+from .arguments import Commands
 from .progress_bar import run_with_bar
 from .under_sky import add_sky_options, choose
 
@@ -16,7 +17,7 @@ TOLD = 20
 """Problems that are told without being asked: a published library has hundreds in infrared."""
 
 
-def add(commands: Any) -> None:
+def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("library", help="list, search and draw reflectances in folders")
     parser.add_argument(
@@ -52,7 +53,9 @@ def run(options: argparse.Namespace) -> None:
     if options.sheet is not None:
         _draw(options, found, sky)
     if options.json:
-        under = None if sky is None else under_sky(sky.choice.transfer, found.values, sky.lights[0])
+        under = None
+        if sky is not None and sky.lights is not None:
+            under = under_sky(sky.choice.transfer, found.values, sky.lights[0])
         record = {
             "spectra": _records(found, rgb_albedo(found.values, options.space), under),
             "problems": list(found.problems),

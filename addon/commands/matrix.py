@@ -7,10 +7,11 @@ import json
 import sys
 from typing import Any
 
+from .arguments import Commands
 from .under_sky import add_sky_options, choose
 
 
-def add(commands: Any) -> None:
+def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("matrix", help="reflectance CSVs to 3x3 matrices")
     parser.add_argument("files", nargs="+", metavar="FILE.csv", help="one or more materials each")

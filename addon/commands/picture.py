@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from .arguments import Commands
 from .under_sky import UnderSky, add_sky_options, choose
 
 
-def add(commands: Any) -> None:
+def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("picture", help="draw reflectance, matrix, errors, sky as a PNG")
     parser.add_argument(

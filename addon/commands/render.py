@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
-from typing import Any
 
 from ..choices import ENGINES
+from .arguments import Commands
 
 
-def add(commands: Any) -> None:
+def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("render", help="an EXR and a PNG of a .blend, without a window")
     parser.add_argument("scene", metavar="SCENE.blend")

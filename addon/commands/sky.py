@@ -8,9 +8,10 @@ from typing import Any
 
 from ..choices import QUALITIES, default, described
 from ..errors import InputError
+from .arguments import Commands
 
 
-def add(commands: Any) -> None:
+def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("sky", help="a clear sky as a lat-long HDRI")
     parser.add_argument("--sun-elevation", type=float, metavar="DEG", help="-6 to 90")

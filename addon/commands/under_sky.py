@@ -5,11 +5,18 @@ from __future__ import annotations
 import argparse
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING
 
 from ..choices import SPACES, default, listed
 from ..errors import InputError
 from .arguments import add_matrix_options, basis_name, three
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from ..sky.light import SkyLight
+    from ..transfer.choice import Choice
 
 
 def add_sky_options(parser: argparse.ArgumentParser) -> None:
@@ -36,15 +43,15 @@ class UnderSky:
     None without any sky.
     """
 
-    choice: Any
-    light: Any
-    lights: Any
-    white: Any
+    choice: Choice
+    light: SkyLight | None
+    lights: NDArray[np.float64] | None
+    white: tuple[float, float, float] | None
     sun_elevation: float | None
     notes: list[str]
 
 
-def choose(options: argparse.Namespace, reflectances: Any) -> UnderSky:
+def choose(options: argparse.Namespace, reflectances: NDArray[np.float64]) -> UnderSky:
     """Return the models of reflectances (m, 81) under the sky of the options.
 
     Raises InputError as the readers of the options' files and `transfer` do.

@@ -147,7 +147,7 @@ def _of_sky(plan: planning.Plan) -> Iterator[Step]:
     numbers = f"camera {settings.camera}" if settings.camera else "colorimetric"
     white = "not white-balanced" if settings.white is None else f"balanced by {settings.white}"
     yield Step("HDRI numbers", f"{numbers}, {white}", settings.plain())
-    yield Step("Basis", plan.description["model"].removeprefix("sky: "), plan.choice.transfer.basis)
+    yield Step("Basis", plan.record.model.removeprefix("sky: "), plan.choice.transfer.basis)
 
 
 def _plan(world: bpy.types.World, settings: Settings) -> planning.Plan:

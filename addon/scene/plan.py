@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import bpy
 import numpy as np
@@ -22,6 +21,7 @@ from .materials import base_color, glass_and_metal, rgb_comparison, spectral_mat
 from .materials.record import Details, Result
 from .materials.spectral_material import Surface
 from .world import hdri, panorama
+from .world.light_record import LightRecord
 from .world.settings import Settings
 
 Assignments = Mapping[bpy.types.Material, Assignment]
@@ -54,7 +54,7 @@ class Plan:
 
     ``light``: the World's sky; ``choice``: the matrices and their predicted errors; ``lights``:
     all that shines; ``towards_sun`` (3,): in the world, None without a sun; ``panes``: what becomes
-    glass; ``description``: what is kept of the light, as plain data.
+    glass; ``record``: what is kept of the light.
     """
 
     world: bpy.types.World
@@ -65,7 +65,7 @@ class Plan:
     towards_sun: NDArray[np.float64] | None
     materials: tuple[MaterialPlan, ...]
     panes: Assignments
-    description: dict[str, Any]
+    record: LightRecord
 
 
 def make(world: bpy.types.World | None, given: Assignments, settings: Settings) -> Plan:
@@ -103,16 +103,16 @@ def make(world: bpy.types.World | None, given: Assignments, settings: Settings) 
             for k, (material, one) in enumerate(surfaces.items())
         ),
         {material: one for material, one in given.items() if one.faces},
-        {
-            **light.report(),
-            "caption": lights.caption,
-            "settings": settings.plain(),
-            "space": choice.transfer.space,
-            "image": hdri.sky_of(world).name,
-            "model": model,
-            "spectrum": _restored(light, choice),
-            "level": lights.level(towards_sun).tolist(),
-        },
+        LightRecord.of(
+            light.report(),
+            caption=lights.caption,
+            settings=settings.plain(),
+            space=choice.transfer.space,
+            image=hdri.sky_of(world).name,
+            model=model,
+            spectrum=_restored(light, choice),
+            level=lights.level(towards_sun).tolist(),
+        ),
     )
 
 

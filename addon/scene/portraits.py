@@ -25,13 +25,13 @@ def portrait(material: bpy.types.Material) -> Portrait | None:
     managed = spectral_material.managed(material)
     if managed is None or not managed.details.values:
         return None
-    sky = (light_group.description_of(managed.world) if managed.world else None) or {}
+    sky = light_group.record_of(managed.world)
     matrix, today = rgb_comparison.matrices(material, managed.matrix)
     return Portrait(
         name=managed.record.reflectance,
         reflectance=plain(managed.details.values),
         matrix=plain(matrix),
-        spectrum=plain(sky.get("spectrum")),
+        spectrum=plain(sky.spectrum or None if sky else None),
         measured=plain(managed.details.measured),
         estimated=managed.record.reflectance == ESTIMATED,
         today=plain(today),

@@ -329,5 +329,5 @@ def remove(materials: Iterable[bpy.types.Material]) -> Outcome:
 
 def light_lines(world: bpy.types.World | None) -> list[str]:
     """What shines on a World's materials, and what a picture must say; none before any."""
-    found = light_group.description_of(world) if world is not None else None
-    return [*found["lights"], found["caption"]] if found else []
+    found = light_group.record_of(world)
+    return [] if found is None else [*found.lights, found.caption]

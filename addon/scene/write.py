@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Generator
+from dataclasses import replace
 
 import bpy
 
@@ -73,9 +74,9 @@ def _finish(plan: Plan, fresh: list[bpy.types.Material]) -> None:
         warnings.append("the sun has moved since its bounce was baked: bake again")
     warnings += glass_and_metal.refresh(scenes, plan.light, plan.choice.transfer)
     for scene in scenes:
-        warnings += view_transform.refresh(scene, plan.description["level"])
+        warnings += view_transform.refresh(scene, plan.record.level)
     lines = [*plan.lights.lines, *warnings]
-    light_group.describe(world, {**plan.description, "lights": lines})
+    light_group.keep_record(world, replace(plan.record, lights=tuple(lines)))
     merge_groups.merge()
 
 

@@ -154,8 +154,8 @@ def caption(world: bpy.types.World) -> str:
     """What a picture under a World must say as long as not all light is in it."""
     from ..scene.world import light_group
 
-    found = light_group.description_of(world)
-    return found["caption"] if found else ""
+    found = light_group.record_of(world)
+    return found.caption if found else ""
 
 
 def browse(operator: bpy.types.Operator, context: bpy.types.Context) -> set[str]:

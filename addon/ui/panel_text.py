@@ -45,14 +45,14 @@ def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         paragraph(layout, context, told(error), "ERROR")
         return
     layout.label(text=f"Sky: {seen.name}", icon="WORLD" if seen.image is None else "IMAGE_DATA")
-    found = light_group.description_of(world)
+    found = light_group.record_of(world)
     if found is None:
         if seen.line:
             paragraph(layout, context, seen.line, "INFO")
         return
-    for note in found.get("notes", ()):
+    for note in found.notes:
         paragraph(layout, context, note, "INFO")
-    if found.get("image") != seen.name or found.get("space") != working_space.name():
+    if found.image != seen.name or found.space != working_space.name():
         paragraph(layout, context, "HDRI or working space have changed: press Update", "ERROR")
 
 
@@ -60,16 +60,16 @@ def model(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """What the sky was modelled with, and how far its light on surfaces is off."""
     from ..scene.world import light_group
 
-    found = light_group.description_of(context.scene.world)
+    found = light_group.record_of(context.scene.world)
     if found is None:
         return
-    if "model" in found:
-        paragraph(layout, context, found["model"])
-    left = found["errors"][found["degree"]]
+    if found.model:
+        paragraph(layout, context, found.model)
+    left = found.errors[found.degree]
     paragraph(
         layout,
         context,
-        f"irradiance of degree {found['degree']}: off by {100 * left['worst']:.1f} % at worst, "
+        f"irradiance of degree {found.degree}: off by {100 * left['worst']:.1f} % at worst, "
         f"{100 * left['mean']:.2f} % in the mean",
     )
 
@@ -78,8 +78,8 @@ def lights(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """What shines on materials beside the sky, and what Eevee cannot keep apart."""
     from ..scene.world import light_group
 
-    found = light_group.description_of(context.scene.world) or {}
-    for line in found.get("lights", ()):
+    found = light_group.record_of(context.scene.world)
+    for line in found.lights if found is not None else ():
         paragraph(layout, context, line, "INFO")
 
 

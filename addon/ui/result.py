@@ -97,11 +97,11 @@ def caption(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     from ..scene.world import light_group
 
     world = context.scene.world
-    found = None if world is None else light_group.description_of(world)
+    found = light_group.record_of(world)
     if found is None:
         layout.label(text="Nothing is spectral under this sky yet")
         return
-    for sentence in found["caption"].split("; "):
+    for sentence in found.caption.split("; "):
         paragraph(layout, context, sentence, "INFO")
 
 

@@ -133,7 +133,8 @@ as it was. Scene-linear values, as in EXR, stay as they are"""
 def _level(context):
     from ..scene.world import light_group
 
-    return (light_group.description_of(context.scene.world) or {}).get("level")
+    record = light_group.record_of(context.scene.world)
+    return None if record is None else record.level or None
 
 
 CLASSES = (SKYLIGHT_OT_show_in_viewport, SKYLIGHT_OT_before_after, SKYLIGHT_OT_neutral_white)

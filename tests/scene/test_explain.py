@@ -62,9 +62,9 @@ def test_each_step_with_its_numbers(scene, tmp_path):
     assert values(found, "File") == f"{tmp_path / 'paint.csv'}:brick"
     assert values(found, "Unit") == {"unit": "percent", "measured": [380.0, 780.0]}
     assert values(found, "Reflectance")[0] == pytest.approx(0.39)
-    description = light_group.description_of(scene.world)
-    assert values(found, "Sky") == pytest.approx(description["upward"], rel=1e-6)
-    assert values(found, "Sun elevation") == pytest.approx(description["sun"]["elevation"])
+    description = light_group.record_of(scene.world)
+    assert values(found, "Sky") == pytest.approx(description.upward, rel=1e-6)
+    assert values(found, "Sun elevation") == pytest.approx(description.rest["sun"]["elevation"])
     shown = spectral_material.managed(brick()).matrix
     np.testing.assert_allclose(values(found, "Matrix"), shown, atol=1e-6)
     # Independent of the sockets: what the file's reflectance makes of the sky that was read.

@@ -73,7 +73,7 @@ def test_a_live_dome_darkens_beside_a_wall(stage):
     # The polynomial leaves 0.5 % at a horizon as hard as this one's.
     np.testing.assert_allclose(free[50], transfer.matrices(RHO) @ light.faces[0], rtol=0.01)
     _, shaded = shoot(stage, "eevee", occlusion="dome", ground="hdri")
-    assert "live" in light_group.description_of(stage[0].world)["caption"]
+    assert "live" in light_group.record_of(stage[0].world).caption
     for x in (34, 40, 48, 60):
         expected = 1.0 - (1.0 - math.cos(math.atan2(3.0, X[x]))) / 2.0  # of an even sky
         # What the wall hides is darker than the zenith here, by up to a tenth of all light.

@@ -22,6 +22,14 @@ SETTINGS = Settings(basis="simplest", tolerance=0.5, gloss=True)
 NK = np.full(81, 0.3), np.linspace(2.0, 5.0, 81)
 
 
+def plain(value):
+    """A custom property's value; as text it would bear its address in memory."""
+    for name in ("to_dict", "to_list"):
+        if hasattr(value, name):
+            return getattr(value, name)()
+    return value
+
+
 def everything():
     """All data-blocks of the file: names, users, custom properties, and of trees all there is."""
     found = {}
@@ -29,7 +37,7 @@ def everything():
         if not isinstance(collection, bpy.types.bpy_prop_collection):
             continue
         for block in collection:
-            own = {k: str(v) for k, v in block.items()}
+            own = {key: plain(value) for key, value in block.items()}
             key = type(block).__name__, block.name_full
             found[key] = block.users, own
             if isinstance(block, bpy.types.Material | bpy.types.World | bpy.types.NodeTree):

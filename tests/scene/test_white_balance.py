@@ -35,21 +35,21 @@ def applied(folder, *options):
     sky = ("--sky", folder / "tinted.exr", "--assign", f"Wall={folder / 'paint.csv'}")
     arguments = ["apply", folder / "scene.blend", *sky, "--out", out, *options]
     assert cli.main([str(argument) for argument in arguments]) == 0
-    return light_group.description_of(blend_file.open_scene(out).world)
+    return light_group.record_of(blend_file.open_scene(out).world)
 
 
 def test_a_tinted_world_is_said_to_be_so(folder, capsys):
     found = applied(folder)
-    assert any("looks white-balanced" in note for note in found["notes"])
-    assert found["outside"]["mostly"]
+    assert any("looks white-balanced" in note for note in found.notes)
+    assert found.rest["outside"]["mostly"]
     assert "looks white-balanced" in capsys.readouterr().out
 
 
 def test_auto_undoes_the_tint(folder, capsys):
     found = applied(folder, "--white", "auto")
-    white = np.array(found["settings"]["white"])
+    white = np.array(found.settings["white"])
     # The tint across the locus is known to some per cent, what lies along it is not.
     assert white[1] / np.sqrt(white[0] * white[2]) == pytest.approx(1.7, rel=0.25)
-    assert not any("looks white-balanced" in note for note in found["notes"])
-    assert not found["outside"]["mostly"]
+    assert not any("looks white-balanced" in note for note in found.notes)
+    assert not found.rest["outside"]["mostly"]
     assert "white balance undone as" in capsys.readouterr().out

@@ -25,7 +25,7 @@ def test_load_sky_lights_the_scene(scene, tmp_path):
     bpy.ops.skylight.load_sky(filepath=str(tmp_path / "sky.exr"))
     world = scene.world
     assert world.node_tree.nodes.get("Environment Texture").image.name == "sky.exr"
-    assert "but the sun's yet" in light_group.description_of(world)["caption"]
+    assert "but the sun's yet" in light_group.record_of(world).caption
 
 
 def test_load_sky_takes_the_spectral_materials_along(scene, brick, tmp_path):
@@ -101,7 +101,7 @@ def test_update_follows_the_HDRI(scene, brick, tmp_path):
     bpy.ops.skylight.update()
     after = light_group.coefficients_of(scene.world)
     assert after[0, 1] == pytest.approx(2 * before[0, 1], rel=0.05)  # the sun's glow is not in it
-    assert light_group.description_of(scene.world)["caption"] == "open sky: no shadows yet"
+    assert light_group.record_of(scene.world).caption == "open sky: no shadows yet"
     assert given() == "brick"
 
 
@@ -159,8 +159,8 @@ def test_the_tolerance_chooses_the_least_model(scene, brick):
     assert found.model == "diagonal" and found.bound <= 10.0
     M = matrix()
     assert abs(M - np.diag(np.diag(M))).max() < 1e-6  # float32 sockets
-    assert light_group.description_of(scene.world)["degree"] <= 1
-    assert "basis rayleigh" in light_group.description_of(scene.world)["model"]
+    assert light_group.record_of(scene.world).degree <= 1
+    assert "basis rayleigh" in light_group.record_of(scene.world).model
 
 
 def test_a_wrong_camera_is_one_line(scene, brick):
@@ -173,7 +173,7 @@ def test_the_swatch_is_the_colour_under_this_sky(scene, brick, tmp_path):
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     choice = material().skylight
     found = spectral_material.managed(material()).details
-    upward = light_group.description_of(scene.world)["upward"]
+    upward = light_group.record_of(scene.world).upward
     assert found.white == pytest.approx(np.dot([0.2126, 0.7152, 0.0722], upward), rel=1e-3)
     colour = np.array(found.result.colour) / found.white  # white is 1, however dim the sky
     assert tuple(choice.swatch) == pytest.approx(colour, rel=1e-6)  # float32

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-from typing import Any
 
 import bpy
 import numpy as np
@@ -13,6 +11,7 @@ from ....node_groups import light_probe, sky_irradiance, skylight_surface
 from ... import tags
 from ...errors import InputError
 from . import hdri as worlds
+from .light_record import LightRecord
 
 
 def ensure(
@@ -86,19 +85,16 @@ def coefficients_of(world: bpy.types.World) -> np.ndarray | None:
     return np.array(list(sky_irradiance.coefficients(skylight_surface.sky_in(surface)).values()))
 
 
-def describe(world: bpy.types.World, description: dict[str, Any]) -> None:
-    """Keep with a World's light what was found in its sky: anything that JSON can hold.
-
-    Raises InputError where `hdri.sky_of` does.
-    """
-    ensure(world)[tags.LIGHT] = json.dumps(description)
+def keep_record(world: bpy.types.World, record: LightRecord) -> None:
+    """Keep with a World's light what was found in its sky; raises InputError as `hdri.sky_of`."""
+    ensure(world)[tags.LIGHT] = record.to_json()
 
 
-def description_of(world: bpy.types.World) -> dict[str, Any] | None:
-    """What `describe` kept, None before."""
-    surface = skylight_surface.find(world)
+def record_of(world: bpy.types.World | None) -> LightRecord | None:
+    """What `keep_record` kept, None before and without a World."""
+    surface = None if world is None else skylight_surface.find(world)
     kept = None if surface is None else surface.get(tags.LIGHT)
-    return None if kept is None else json.loads(kept)
+    return None if kept is None else LightRecord.from_json(kept)
 
 
 def remove(surface: bpy.types.NodeTree) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import lru_cache
 from typing import Any
@@ -102,7 +103,7 @@ class Settings:
         return _settings(text)
 
     @classmethod
-    def from_plain(cls, found: dict[str, Any]) -> Settings:
+    def from_plain(cls, found: Mapping[str, Any]) -> Settings:
         """Read what `plain` returned."""
         own = {f.name: found[f.name] for f in fields(cls) if found.get(f.name) is not None}
         if "white" in own:
@@ -121,8 +122,8 @@ def stored(world: bpy.types.World | None) -> Settings | None:
         return None
     if world.library is not None and tags.SETTINGS not in world:
         # What is written on a linked World is not saved: our group of it, in this file, is.
-        kept = (light_group.description_of(world) or {}).get("settings")
-        return None if kept is None else Settings.from_plain(kept)
+        record = light_group.record_of(world)
+        return None if record is None else Settings.from_plain(record.settings)
     return Settings.from_json(world[tags.SETTINGS]) if tags.SETTINGS in world else None
 
 
