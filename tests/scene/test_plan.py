@@ -41,7 +41,9 @@ def everything():
             key = type(block).__name__, block.name_full
             found[key] = block.users, own
             if isinstance(block, bpy.types.Material | bpy.types.World | bpy.types.NodeTree):
-                found[key] += (dump(block),)
+                tree = dump(block)
+                del tree["custom properties"]  # which are compared as values above
+                found[key] += (tree,)
     return found
 
 
