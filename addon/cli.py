@@ -6,6 +6,7 @@ Exit codes: 0 done, 1 failed, 2 wrong usage or bad input (one line on stderr).
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -45,6 +46,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; ``arguments`` as in ``sys.argv[1:]``. Returns the exit code."""
     arguments = sys.argv[1:] if arguments is None else arguments
     parser = _parser(arguments)
+    for stream in (sys.stdout, sys.stderr):  # names of files may be what a terminal cannot show
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         options = parser.parse_args(arguments)
     except SystemExit as stop:  # --help, wrong usage

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections import Counter
 from typing import Any
 
 from ..choices import ORDERS, default
 from ..errors import InputError
-from .arguments import Commands
+from .arguments import Commands, three
 from .progress_bar import run_with_bar
 from .under_sky import add_sky_options, choose
 
@@ -28,6 +29,15 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--sort", default=default(ORDERS), metavar="|".join(ORDERS))
     parser.add_argument("--sheet", metavar="PICTURE.png", help="draw swatches of what was found")
+    parser.add_argument(
+        "--near",
+        metavar="R,G,B",
+        type=three,
+        help="the ten nearest to a base color (linear, of --space), with their ΔE",
+    )
+    parser.add_argument(
+        "--for", dest="material", default="", metavar="NAME", help="whose name counts with --near"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON")
     add_sky_options(parser)
     parser.set_defaults(run=run)
@@ -38,6 +48,7 @@ def run(options: argparse.Namespace) -> None:
     import numpy as np
 
     from ..spectra import library
+    from ..transfer.nearest import nearest
     from ..transfer.prediction import rgb_albedo
     from ..transfer.swatches import under_sky
 
@@ -47,6 +58,10 @@ def run(options: argparse.Namespace) -> None:
         whole = library.checkers()
     wanted = set(whole.search(options.search))
     found = whole.only([k for k in whole.order(options.sort) if k in wanted])
+    near = None
+    if options.near is not None:
+        near = nearest(found, options.near, options.material, space=options.space)
+        found = found.only([one.number for one in near])
     sky = None
     if options.sky is not None or options.sky_rgb is not None:
         sky = choose(options, np.empty((0, 81)))
@@ -65,14 +80,16 @@ def run(options: argparse.Namespace) -> None:
             "space": options.space,
             "notes": sky.notes if sky is not None else [],
         }
+        for spectrum, one in zip(record["spectra"], near or (), strict=False):
+            spectrum["delta_E"] = one.delta_E
         print(json.dumps(record, indent=1, allow_nan=False))
         return
-    for path, name, kind, Lab in zip(
-        found.paths, found.names, found.classes, found.Lab, strict=True
-    ):
-        L, a, b = Lab
-        kind = f"  {kind}" if kind else ""
-        print(f"{L:6.1f} {a:6.1f} {b:6.1f}  {path}:{name}{kind}")
+    for k, (L, a, b) in enumerate(found.Lab):
+        kind = f"  {found.classes[k]}" if found.classes[k] else ""
+        off = "" if near is None else f"  ΔE {near[k].delta_E:5.1f}"
+        print(f"{L:6.1f} {a:6.1f} {b:6.1f}{off}  {found.paths[k]}:{found.names[k]}{kind}")
+    for kind, count in Counter(map(str, found.kinds)).most_common():
+        print(f"{count} as {kind}", file=sys.stderr)
     for problem in found.problems[:TOLD]:
         print(problem, file=sys.stderr)
     others = f", {found.others} files hold something else" if found.others else ""
@@ -88,6 +105,9 @@ def _records(found: Any, d65: Any, under: Any) -> list[dict[str, Any]]:
             "name": found.names[k],
             "class": found.classes[k],
             "source": found.sources[k],
+            "format": found.kinds[k].format,
+            "quantity": found.kinds[k].quantity,
+            "unit": found.kinds[k].unit,
             "file": found.paths[k],
             "Lab": found.Lab[k].tolist(),
             "rgb_d65": d65[k].tolist(),

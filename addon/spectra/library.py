@@ -24,7 +24,7 @@ from . import cache, formats
 from .cielab import XYZ_to_Lab
 from .curves import NoSpectra
 from .illuminants import D65
-from .reflectance import read_all, reflectance_hash
+from .reflectance import Kind, read_all, reflectance_hash
 from .sensitivities import cmfs
 
 NEUTRAL = 5.0
@@ -36,15 +36,16 @@ class Library:
     """Reflectances of many files.
 
     ``values`` (m, 81); of each: ``names``, by which its file knows it too, ``classes`` (what kind
-    of thing, or empty), ``sources`` (folder and file, for people), ``paths``. ``problems``: why
-    files and spectra cannot be used, ``unused`` in number; spectra of one file with the same fault
-    share a line. ``others``: how many files hold something else.
+    of thing, or empty), ``sources`` (folder and file, for people), ``paths``, ``kinds`` (what was
+    read there). ``problems``: why files and spectra cannot be used, ``unused`` in number; spectra
+    of one file with the same fault share a line. ``others``: how many files hold something else.
     """
 
     names: tuple[str, ...] = ()
     classes: tuple[str, ...] = ()
     sources: tuple[str, ...] = ()
     paths: tuple[str, ...] = ()
+    kinds: tuple[Kind, ...] = ()
     values: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 81)))
     problems: tuple[str, ...] = ()
     unused: int = 0
@@ -69,6 +70,7 @@ class Library:
             classes=some(self.classes),
             sources=some(self.sources),
             paths=some(self.paths),
+            kinds=tuple(self.kinds[k] for k in chosen),
             values=self.values[np.asarray(chosen, dtype=int)],
         )
 
@@ -173,7 +175,7 @@ class _Folder:
                 name = path.relative_to(self.folder).as_posix()
                 stamp = _stamp(path)
                 record = known.get(name)
-                if record is None or record["stamp"] != stamp:
+                if record is None or record.get("stamp") != stamp:
                     yield Progress(number / len(files), name)
                     record, changed = {"stamp": stamp, **_record(path)}, True
                 kept[name] = record
@@ -237,6 +239,7 @@ def _record(path: Path) -> dict[str, Any]:
     return {
         "names": list(read.names),
         "classes": [str(kind) for kind in classes],
+        "kinds": read.kinds,
         "values": read.values,
         "problems": _faults(read.problems),
         "unused": len(read.problems),
@@ -245,7 +248,7 @@ def _record(path: Path) -> dict[str, Any]:
 
 
 def _nothing(*problems: str) -> dict[str, Any]:
-    empty = {"names": [], "classes": [], "values": np.empty((0, 81)), "other": False}
+    empty = {"names": [], "classes": [], "kinds": [], "values": np.empty((0, 81)), "other": False}
     return {**empty, "problems": list(problems), "unused": len(problems)}
 
 
@@ -284,10 +287,15 @@ def _unpacked(arrays: dict[str, NDArray] | None) -> dict[str, dict[str, Any]]:
         records = json.loads(arrays["text"].tobytes().decode())
         ends = np.cumsum([len(record["names"]) for record in records.values()])
         parts = np.split(arrays["values"], ends[:-1])
-        return {
+        found = {
             name: {**record, "values": part}
             for (name, record), part in zip(records.items(), parts, strict=True)
         }
+        for record in found.values():
+            whole = _of_record("", "", record)
+            if not len(whole.names) == len(whole.classes) == len(whole.kinds) == len(whole.values):
+                return {}
+        return found
     except (KeyError, ValueError, TypeError, AttributeError):
         return {}
 
@@ -299,6 +307,7 @@ def _of_record(path: str, source: str, record: dict[str, Any]) -> Library:
         classes=tuple(record["classes"]),
         sources=(source,) * count,
         paths=(path,) * count,
+        kinds=tuple(Kind(*kind) for kind in record["kinds"]),
         values=record["values"],
         problems=tuple(record["problems"]),
         unused=record["unused"],
@@ -309,7 +318,7 @@ def _of_record(path: str, source: str, record: dict[str, Any]) -> Library:
 def _joined(parts: Sequence[Library]) -> Library:
     """Return many libraries as one; adding them up one by one would copy all each time."""
 
-    def all_of(key: str) -> tuple[str, ...]:
+    def all_of(key: str) -> tuple[Any, ...]:
         return tuple(word for part in parts for word in getattr(part, key))
 
     return Library(
@@ -317,6 +326,7 @@ def _joined(parts: Sequence[Library]) -> Library:
         classes=all_of("classes"),
         sources=all_of("sources"),
         paths=all_of("paths"),
+        kinds=all_of("kinds"),
         values=np.concatenate([np.empty((0, 81)), *(part.values for part in parts)]),
         problems=all_of("problems"),
         unused=sum(part.unused for part in parts),

@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,18 @@ from .curves import NoSpectra, Table
 from .grid import WAVELENGTHS
 
 
+class Kind(NamedTuple):
+    """What was read: the kind of file (``format``), the ``quantity``, empty where the file does not
+    say it and it is taken for a reflectance, and the ``unit``."""
+
+    format: str
+    quantity: str
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{self.format}: {self.quantity or 'not said, taken for reflectance'}, {self.unit}"
+
+
 @dataclass(frozen=True)
 class Reflectances:
     """Reflectances of the materials in one file, on the grid.
@@ -25,9 +38,8 @@ class Reflectances:
     ``values`` (m, 81) in 0 to 1, ``names`` (m), ``unit`` as read (``percent`` or ``fraction``),
     ``notes`` (what was done to the data, a sentence each), ``measured``: from where to where [nm]
     the file has values; beyond, the grid holds those of the ends; ``classes`` (m: what kind of
-    thing each is) or none; ``format`` (what kind of file it is), ``quantities`` and ``units`` (m:
-    as the file has each; an empty quantity: it does not say, and is taken for a reflectance);
-    ``problems``: the spectra that cannot be used, and why.
+    thing each is) or none; ``kinds`` (m: what was read of each); ``problems``: the spectra that
+    cannot be used, and why.
     """
 
     path: Path
@@ -37,9 +49,7 @@ class Reflectances:
     notes: tuple[str, ...]
     measured: tuple[float, float]
     classes: tuple[str, ...] = ()
-    format: str = ""
-    quantities: tuple[str, ...] = ()
-    units: tuple[str, ...] = ()
+    kinds: tuple[Kind, ...] = ()
     problems: Mapping[str, InputError] = field(default_factory=dict)
 
 
@@ -130,9 +140,10 @@ def _admitted(table: Table, unit: str | None, column: str | None) -> Reflectance
         notes=(*table.notes, *notes),
         measured=(low, high),
         classes=table.classes,
-        format=table.format,
-        quantities=tuple(as_read[name].quantity for name in table.names),
-        units=tuple(UNITS[0] if one else UNITS[1] for one in percent),
+        kinds=tuple(
+            Kind(table.format, as_read[name].quantity, UNITS[0] if one else UNITS[1])
+            for name, one in zip(table.names, percent, strict=True)
+        ),
         problems=told,
     )
 

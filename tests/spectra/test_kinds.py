@@ -32,14 +32,9 @@ def test_known_kinds(write, name, content):
     read = read_reflectances(write(name, content))
     # In steps of 10 nm a cubic cuts the corners where red begins.
     assert_red(read.values[0], atol=1.5e-3)
-    assert read.format and read.quantities[0] in (
-        "",
-        "reflectance",
-        "absorbance",
-        "log(1/R)",
-        "Kubelka-Munk",
-    )
-    assert len(read.quantities) == len(read.units) == len(read.names)
+    kind = read.kinds[0]
+    assert len(read.kinds) == len(read.names) and kind.format and kind.unit
+    assert kind.quantity in ("", "reflectance", "absorbance", "log(1/R)", "Kubelka-Munk")
 
 
 def named(write, kind):
@@ -80,8 +75,7 @@ def test_what_was_read_is_said(write):
         "TM-27": ("TM-27", "reflectance", "fraction"),
     }
     for kind, expected in said.items():
-        read = named(write, kind)
-        assert (read.format, read.quantities[0], read.units[0]) == expected
+        assert named(write, kind).kinds[0] == expected
     notes = " ".join(named(write, "absorbance").notes)
     assert "absorbance was made reflectance or transmittance: 10^-A" in notes
     assert "'gloss60' (gloss)" in " ".join(named(write, "a fraction beside gloss").notes)
@@ -104,7 +98,8 @@ def test_panes(write, name, content):
         "Clear back reflectance",
     )
     np.testing.assert_allclose(read.values, [[0.8] * 81, [0.075] * 81, [0.08] * 81], atol=1e-9)
-    assert read.quantities == ("transmittance", "reflectance", "reflectance")
+    told = ["transmittance", "reflectance", "reflectance"]
+    assert [kind.quantity for kind in read.kinds] == told
     assert read_one(str(path), quantity="transmittance").names == ("Clear transmittance",)
 
 

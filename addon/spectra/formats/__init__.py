@@ -7,10 +7,12 @@ or rows. The rules for what a reflectance may be are not here: `reflectance` hol
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from ..curves import Table
 from ..files import start
+from ..quantities import FRACTION, REFLECTANCE, Said
 from ..table import read_table
 from . import (
     cgats,
@@ -60,7 +62,10 @@ def read(path: str | Path) -> Table:
         file is whole but is about something else.
     """
     if checkers.recognises(str(path)):
-        return checkers.read(str(path))
+        found = checkers.read(str(path))
+        return replace(found, format="colour-science").with_said(
+            [Said(REFLECTANCE, FRACTION)] * len(found.names)
+        )
     path = Path(path)
     head = start(path)
     for module in FORMATS:
