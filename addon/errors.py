@@ -36,12 +36,21 @@ class InputError(ValueError):
     def told(self, name: Callable[[str], str]) -> str:
         """Return the line with each parameter as ``name`` calls it."""
         place, problem, cure = self.args
-        return _named(f"{place}: {problem}; {cure}".replace("\n", " "), name)
+        line = _named(f"{place}: {problem}; {cure}", name)
+        # What a file says, and its name, may hold breaks, escapes and half characters.
+        if line.isprintable():
+            return line
+        return "".join(c if c.isprintable() else " " for c in line)
 
     def within(self, place: object, name: Callable[[str], str]) -> InputError:
         """Return the same error at a place of a file in which parameters have other names."""
         inner, problem, cure = (_named(text, name) for text in self.args)
         return InputError(f"{place}, {inner}", problem, cure)
+
+    def of(self, old: str, new: str) -> InputError:
+        """Return the same fault of another thing, which the place names between quotes."""
+        place, problem, cure = self.args
+        return InputError(place.replace(f"'{old}'", f"'{new}'", 1), problem, cure)
 
     def __str__(self) -> str:
         return self.told(in_words)

@@ -139,6 +139,7 @@ def on_grid(table: Table, percent: NDArray[np.bool_]) -> OnGrid:
     table = table.visible()
     with np.errstate(all="ignore"):
         fractions = np.where(percent, table.values / 100.0, table.values)
+    worded = {name for _, name in table.words}
     for columns, rows in _alike(table, fractions):
         part = table.rows(rows)
         # Most that cannot be used are told by the range that they have in common.
@@ -153,7 +154,11 @@ def on_grid(table: Table, percent: NDArray[np.bool_]) -> OnGrid:
             good[:] = False
         for k in np.flatnonzero(~good):
             problems[int(columns[k])] = _problem(
-                part.columns(columns[[k]]), values[:, [k]], percent[columns[k]], fault, k == 0
+                part.columns(columns[[k]]),
+                values[:, [k]],
+                percent[columns[k]],
+                None if table.names[columns[k]] in worded else fault,
+                table.names[columns[0]],
             )
         if good.any():
             usable = np.ascontiguousarray(values[:, good])
@@ -176,9 +181,12 @@ def _alike(
         begun = np.logical_or.accumulate(has, axis=0)
         has = begun & np.logical_or.accumulate(has[::-1], axis=0)[::-1]
         has |= ~has.any(axis=0)
-        for k in {table.names.index(name) for _, name in table.words if name in table.names}:
-            for row, line in enumerate(() if table.lines is None else table.lines):
-                has[row, k] |= (int(line), table.names[k]) in table.words
+        at = {name: k for k, name in enumerate(table.names)}
+        lines = () if table.lines is None else table.lines.tolist()
+        row_of = {line: row for row, line in enumerate(lines)}
+        for line, name in table.words:
+            if line in row_of and name in at:
+                has[row_of[line], at[name]] = True
     outside = (table.wavelengths < WAVELENGTHS[0]) | (table.wavelengths > WAVELENGTHS[-1])
     with np.errstate(invalid="ignore"):
         sound = (fractions > CLIPPED_DOWN_TO) & (fractions <= CLIPPED_UP_TO)
@@ -190,17 +198,14 @@ def _alike(
 
 
 def _problem(
-    part: Table, values: NDArray, percent: bool, fault: InputError | None, first: bool
+    part: Table, values: NDArray, percent: bool, fault: InputError | None, first: str
 ) -> InputError:
-    """Return why one column cannot be used."""
+    """Return why one column cannot be used: a ``fault`` that it shares, told of the ``first``."""
+    if fault is not None:
+        return fault.of(first, part.names[0])
     try:
-        if any(name == part.names[0] for _, name in part.words):
-            _check_values(part, values, percent)
-        if fault is not None:
-            if first:
-                return fault
-            check_range(part)
         _check_values(part, values, percent)
+        check_range(part)
     except InputError as error:
         return error
     return InputError(part.place(None, 0), "cannot be used", "mend it")

@@ -54,11 +54,12 @@ def start(path: Path, size: int = 4096) -> bytes:
 
 def content(path: Path, largest: int = LARGEST_FILE) -> bytes:
     """Return a file's bytes; `InputError` where it cannot be read or is larger than ``largest``."""
-    if regular(path) > largest:
+    size = regular(path)
+    if size > largest:
         raise InputError(path, f"is larger than {largest >> 20} MiB", "split the file")
     try:
         with path.open("rb") as handle:
-            return handle.read(largest)
+            return handle.read(size)
     except OSError as error:
         raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from error
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -113,6 +114,8 @@ _RANGES = (
     ),
 )
 
+_READ = 300
+
 _KEYS = re.compile(
     r"[\W_]*(?:y[ _-]?(?:axis)?[ _-]?(?:units?|label|mode|axis|title|data|type|scale)?|"
     r"ordinate(?:[ _-]?(?:mode|type|units?|label|axis))?|photometric ?mode|photo(?:metric)? ?mode|"
@@ -156,8 +159,10 @@ class Said(NamedTuple):
         return Said(quantity, told)
 
 
+@lru_cache(maxsize=1 << 12)
 def said(words: str) -> Said:
-    """Return what a header says of its column."""
+    """Return what a header says of its column, by its first `_READ` characters."""
+    words = words[:_READ]
     words = " ".join(words.replace("_", " ").split()) if "_" in words else words
     quantity = next((name for name, word in _QUANTITIES if word.search(words)), NOT_SAID)
     return Said(quantity, unit_of(words))

@@ -108,7 +108,7 @@ def _admitted(table: Table, unit: str | None, column: str | None) -> Reflectance
     as_read = dict(zip(table.names, table.said, strict=True))
     table, notes, refused = reflectances_of(table)
     if not table.names:
-        raise _about_something_else(next(iter(refused.values())))
+        raise NoSpectra(*next(iter(refused.values())).args)
     percent, how, unclear = percent_columns(table, unit)
     on = on_grid(table, percent)
     problems = {**on.problems, **unclear}
@@ -146,11 +146,6 @@ def _admitted(table: Table, unit: str | None, column: str | None) -> Reflectance
         ),
         problems=told,
     )
-
-
-def _about_something_else(error: InputError) -> NoSpectra:
-    """Return the same line about a file that holds no reflectance at all."""
-    return NoSpectra(*error.args)
 
 
 def _measured(ends: NDArray[np.float64]) -> tuple[float, float]:

@@ -21,6 +21,9 @@ from .wavelengths import heads_wavelengths, in_header, unit_of
 _LOOKED_AT = 200
 """Rows among which the heading of wavelengths is looked for."""
 
+_MOST_OTHERS = 100
+"""Columns that names are looked for in."""
+
 _NAMES = re.compile(
     r"(data|sample|spectrum|target|patch|object|probe[n]?|messung|muster)?[ _-]?"
     r"(names?|labels?|id|title|ids|bezeichnung|beschreibung|nom|nombre|nome|naam|name_?|名称|名前|名)|"
@@ -65,7 +68,10 @@ def read(sheet: Sheet) -> Table | None:
                 "make every row as long as its heading",
             )
         for affix, columns, nm in runs:
-            at = [k + shift for k in columns]
+            # Columns of a run stand side by side; a short row has the first of them.
+            first_of_run = columns[0] + shift
+            at = range(first_of_run, min(first_of_run + len(nm), len(row.cells)))
+            nm = nm[: len(at)]
             numbers, strange = _values(row, at)
             if not np.isfinite(numbers).any():
                 continue
@@ -142,7 +148,7 @@ def _labels(
     sheet: Sheet, rows: Sequence[Row], cells: Sequence[str], taken: set[int], first: int
 ) -> list[str]:
     """Return the name of each row: of the column that is headed as names, else its first text."""
-    others = [k for k in range(len(cells)) if k not in taken]
+    others = [k for k in range(len(cells)) if k not in taken][:_MOST_OTHERS]
 
     def column(k: int) -> list[str]:
         return [row.cells[k] if k < len(row.cells) else "" for row in rows]

@@ -25,6 +25,9 @@ from .table_heads import Heads, heads_of
 
 __all__ = ["NoSpectra", "Table", "read_table"]
 
+_MOST_PAIRS = 2000
+"""Columns of wavelengths in a file: instruments write dozens."""
+
 
 def read_table(path: str | Path) -> Table:
     """Read a text of spectra, in columns or in rows.
@@ -146,24 +149,28 @@ def _table(sheet: Sheet, rows: list[Row], heads: Heads) -> Table:
     groups, notes = _groups(sheet, data, heads, words)
     said, x_unit = quantities.around(_texts_around(sheet, rows))
     parts = []
+    worded = {column for _, column in words}
     for at, values in groups:
         unit = _unit(sheet, rows, heads.texts[at], x_unit, data[:, at])
         has = np.isfinite(data[:, at]) | np.isfinite(data[:, values]).any(axis=1)
-        has |= np.array([(k, at) in words for k in range(len(rows))])
+        if at in worded:
+            has |= np.array([(k, at) in words for k in range(len(rows))])
         nm = wavelengths.to_nm(data[has, at], unit)
         _check(path, nm, lines[has], unit)
         parts.append((nm, data[np.ix_(has, values)], lines[has]))
     chosen = [k for _, values in groups for k in values]
     names = told_apart([plain(heads.names[k]) for k in chosen], collapse=False)
     table = merged(path, names, parts)
+    named = dict(zip(chosen, names, strict=True))
     missing = {
-        (int(lines[row]), names[chosen.index(column)]): word
+        (int(lines[row]), named[column]): word
         for (row, column), word in words.items()
-        if column in chosen
+        if column in named
     }
+    spectra = len(heads.texts) - len(heads.wavelengths)
     return replace(
         table,
-        said=tuple(_said(heads.texts[k], heads.texts, said) for k in chosen),
+        said=tuple(_said(heads.texts[k], spectra, said) for k in chosen),
         format=_format(sheet),
         words=missing,
         notes=tuple(notes),
@@ -176,11 +183,11 @@ def _format(sheet: Sheet) -> str:
     return "text in columns"
 
 
-def _said(text: str, texts: list[str], around: Said) -> Said:
+def _said(text: str, spectra: int, around: Said) -> Said:
     """Return what a column's heading says of it, where it is silent what the lines around do."""
     own = quantities.said(text)
     # A plastic among other materials, not absorbance.
-    if text.strip() == "ABS" and sum(not wavelengths.heads_wavelengths(t) for t in texts) > 1:
+    if text.strip() == "ABS" and spectra > 1:
         own = Said()
     return own.over(around)
 
@@ -244,10 +251,11 @@ def _groups(
         notes.append(f"column {at[0] + 1} is read as wavelengths in nm: nothing names it")
     empty = ~np.isfinite(data).any(axis=0)
     worded = {column for _, column in words}
+    places = set(at)
     aside = [
         k
         for k in range(columns)
-        if k not in at
+        if k not in places
         and (
             (empty[k] and (k in worded or not heads.texts[k]))
             or (
@@ -262,11 +270,14 @@ def _groups(
     remarks = [f"'{plain(heads.names[k])}'" for k in aside if k in worded and k > at[0]]
     if remarks:
         notes.append(f"left out, for they hold no numbers: {', '.join(remarks[:4])}")
+    if len(at) > _MOST_PAIRS:
+        raise InputError(sheet.path, f"has {len(at)} columns of wavelengths", "split the file")
+    left_out = {*at, *aside}
     ends = [*at[1:], columns]
     groups = []
     for number, (place, end) in enumerate(zip(at, ends, strict=True)):
         start = 0 if number == 0 else place + 1
-        values = [k for k in range(start, end) if k != place and k not in aside]
+        values = [k for k in range(start, end) if k not in left_out]
         if values:
             groups.append((place, values))
     if not groups:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import lru_cache
 from itertools import groupby
 
 import numpy as np
@@ -52,6 +53,9 @@ _INDEX = re.compile(
     re.IGNORECASE,
 )
 
+_LONGEST_HEADER = 200
+_LOOKED_AT = 160  # cells
+
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)?")
 _LIKELY = (150.0, 30000.0)
 """[nm] in which columns lie that nobody names wavelengths; row numbers begin at 0 or 1."""
@@ -65,8 +69,11 @@ def unit_of(text: str) -> str | None:
     return INDEX if _NO_LENGTH.search(text) else None
 
 
+@lru_cache(maxsize=1 << 12)
 def heads_wavelengths(text: str) -> bool:
     """Whether a column under this header holds wavelengths (or wavenumbers)."""
+    if len(text) > _LONGEST_HEADER:
+        return False
     text = " ".join(text.replace("_", " ").split()).strip("\"'[]() ")
     match = _WORDS.match(text)
     if match is None:
@@ -85,7 +92,7 @@ _EV = re.compile(r"(photon )?energy ?[(\[]? ?ev ?[)\]]?|ev", re.IGNORECASE)
 
 def heads_index(text: str) -> bool:
     """Whether a column under this header counts rows, channels or samples."""
-    return _INDEX.fullmatch(" ".join(text.replace("_", " ").split())) is not None
+    return len(text) < 30 and _INDEX.fullmatch(" ".join(text.replace("_", " ").split())) is not None
 
 
 def counts(values: NDArray[np.float64]) -> bool:
@@ -119,7 +126,11 @@ def in_header(cells: Sequence[str]) -> list[tuple[str, list[int], NDArray[np.flo
     Each as what is around the numbers, the columns and the wavelengths [nm]; a run has at least
     eight, rises or falls and reaches from 430 or less to 680 or more.
     """
-    told = [_split(cell) for cell in cells]
+    some = [_split(cell) for cell in cells[:_LOOKED_AT]]
+    # Alone, a number under 150 is a value: most rows are not looked at further.
+    if sum(one is not None and (one[1] >= 150.0 or one[0] != "\0") for one in some) < 8:
+        return []
+    told = some + [_split(cell) for cell in cells[_LOOKED_AT:]]
     runs = []
     at = 0
     for affix, group in groupby(told, key=lambda one: None if one is None else one[0]):

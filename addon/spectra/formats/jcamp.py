@@ -25,8 +25,11 @@ from .spectra import table, to_nm
 NAME = "JCAMP-DX"
 ENDINGS = (".dx", ".jcm", ".jdx")
 
-LARGEST_STEP = 1 << 20
-"""Values of one spectrum, and how many times a difference may be repeated."""
+MOST = 1 << 16
+"""Values of one spectrum: three letters may stand for any number of them."""
+
+MOST_OF_ALL = 1 << 20
+"""Values of all spectra of a file."""
 
 _ORDINATE = re.compile(
     r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]\d{1,3})?|[@A-Ia-i]\d*\.?\d*|[%J-Rj-r]\d*\.?\d*|[S-Zs]\d*|\?"
@@ -55,10 +58,14 @@ def read(path: Path) -> Table:
     an abscissa that is no wavelength; `NoSpectra` for a file without spectra.
     """
     names, curves, told = [], [], []
+    count = 0
     for fields, at, rows in _blocks(path):
         nm, values = _spectrum(path, fields, at, rows)
         names.append(fields.get("TITLE") or path.stem)
         curves.append((nm, values))
+        count += len(values)
+        if count > MOST_OF_ALL:
+            raise InputError(path, f"holds more than {MOST_OF_ALL} values", "split the file")
         said = quantities.said(fields.get("YUNITS", ""))
         for other in ("DATATYPE", "YLABEL"):
             said = said.over(quantities.said(fields.get(other, "")))
@@ -166,7 +173,7 @@ def _unpacked(path: Path, at: int, rows: list[str]) -> list[float]:
                 found.append((found[-1] if found else 0.0) + step)
             elif head in _REPEATED:
                 more = int(_digits(_REPEATED[head], token[1:])) - 1
-                if not found or not 0 <= more <= LARGEST_STEP:
+                if not found or not 0 <= more <= MOST:
                     raise InputError(
                         f"{path}:{place}", f"'{token[:20]}' repeats nothing", "mend it"
                     )
@@ -175,8 +182,8 @@ def _unpacked(path: Path, at: int, rows: list[str]) -> list[float]:
             else:
                 step = None
                 found.append(_ordinate(token))
-            if len(found) > LARGEST_STEP:
-                raise InputError(f"{path}:{place}", "more than a million values", "split it")
+            if len(found) > MOST:
+                raise InputError(f"{path}:{place}", f"more than {MOST} values", "split it")
         if checked and start < len(found):
             if abs(found[start] - found[start - 1]) > 1.0 + 1e-9 * abs(found[start]):
                 raise InputError(

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-UNPACKED = 1 << 24
-"""Bytes of all variables, unpacked, or 64 times as many as are packed: surfaces are packed to a
+UNPACKED = 1 << 23
+"""Bytes of all variables, unpacked, or 16 times as many as are packed: surfaces are packed to a
 half, and zeros alone to a thousandth."""
 
 _TYPES = {
@@ -58,7 +58,7 @@ def variables(content: bytes) -> dict[str, Any]:
 
 def _bodies(data: bytes, order: str) -> Iterator[bytes]:
     """Yield what is in each variable, unpacked."""
-    left = max(UNPACKED, 64 * len(data))
+    left = max(UNPACKED, 16 * len(data))
     for kind, body in _elements(data, order):
         if kind == _COMPRESSED:
             packed = zlib.decompressobj()
