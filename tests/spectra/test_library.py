@@ -66,7 +66,7 @@ def test_search_and_orders(folder):
     assert names[found.order("lightness")[[0, -1]]].tolist() == ["dark", "white"]
     assert list(names[found.order("hue")]) == ["red", "blue", "dark", "grey", "white"]
     assert found.only(found.order("source")).sources[0] == "paints/roof/half.csv"
-    with pytest.raises(InputError, match="name, hue, lightness, source"):
+    with pytest.raises(InputError, match="name, hue, lightness or source"):
         found.order("price")
 
 
