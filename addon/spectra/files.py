@@ -7,6 +7,7 @@ or a device would never end.
 from __future__ import annotations
 
 import codecs
+import re
 import stat
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,6 +25,8 @@ LONGEST_NUMBER = 64
 
 LONGEST_NAME = 1000
 """Characters of a spectrum's name."""
+
+_FORTRAN = re.compile(r"[+-]?\d+\.?\d*[Dd][+-]?\d{1,3}")
 
 _MARKS = (b"\xff\xfe", b"\xfe\xff")
 
@@ -160,7 +163,7 @@ def number(text: str) -> float | None:
     try:
         return float(text)
     except ValueError:
-        return None
+        return float(text.upper().replace("D", "E")) if _FORTRAN.fullmatch(text) else None
 
 
 def plain(text: str) -> str:

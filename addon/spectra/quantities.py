@@ -54,21 +54,23 @@ _WORDS: tuple[tuple[str, str], ...] = (
      r"[ _-]?(?:\d|\(|\[|gu\b|unit|value|$)"),
     ("refractive index", r"refractive ind|brechungsindex|indice de r[ée]fraction|"
      r"[íi]ndice de refracci[oó]n|extinction coeff|extinktionskoeff"),
-    ("emissivity", r"(?<!low)(?<!low.)emissivit|emissionsgrad|[ée]missivit|emisivi|emittance|"
+    ("emissivity", r"(?<!low)(?<!low.)(?<!r)emissivit|(?<!r)emissionsgrad|"
+     r"[ée]missivit|emisivi|emittance|"
      r"放射率|发射率"),
     ("absorptance", r"absorptan|absorptivit|absorptionsgrad|assorbimento|absortan|吸収率|吸收率"),
     (REFLECTANCE, r"radiance factor|strahldichtefaktor|reflectance factor|reflection coeff|"
      r"коэфф?ициент\w* (?:яркости|отражения)"),
     ("light", r"(?<![a-z])(?:ir)?rad(?:iance\b|\.)|exitance|"
      r"spectral (?:power|flux|intensity|density)|"
-     r"radiant (?:flux|power|intens|energy)|emission|emissive|emitted|\bluminance|illuminance|"
+     r"radiant (?:flux|power|intens|energy)|"
+     r"(?<!r)emission|emissive|emitted|\bluminance|illuminance|"
      r"\bphotons?\b|\bflux\b|"
      r"\bquanta\b|(?<![a-z])[mµμun]?w ?[/·*] ?\(? ?(?:m|cm|sr|nm)|"
      r"(?<![a-z])[mµμun]?w ?(?:m|cm|sr|nm) ?\^?[-−⁻²]|"
      r"/ ?sr\b|\bsr ?\^?[-−⁻]|\b[mµμ]?mol\b.*(?:m|s)|cd ?/ ?m|\blux\b|"
      r"strahldichte|bestrahlungsst|strahlungs(?:fluss|leistung)|leuchtdichte|beleuchtungsst|"
      r"[ée]clairement|luminanza|luminancia|irradianza|irraggiamento|irradi[aâ]nc|radiancia|"
-     r"\bemisi[oó]n|emissione|emiss[aã]o|"
+     r"\bemisi[oó]n|(?<!r)emiss[aã]o|"
      r"放射輝度|放射照度|分光放射|輝度|辐射|辐照|辐亮|发射光谱|яркост|облуч|излуч"),
     ("counts", r"\bcounts?\b|\bdns?\b|\bdigital numbers?\b|\braw (?:counts?|dns?|data|signal)\b|"
      r"\badc\b|\bcts\b|\bcps\b|^\W*intensit(?:y|é|à|ä?t|ies)\W*$|^\W*intensit\w+ ?[(\[]|"

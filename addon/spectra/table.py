@@ -246,7 +246,7 @@ def _groups(
     """Return each column of wavelengths with those of its values, and what was left out."""
     columns = data.shape[1]
     notes = []
-    at = heads.wavelengths or [_unnamed(sheet, data, heads)]
+    at = heads.wavelengths or _unnamed(sheet, data, heads)
     if not heads.wavelengths and heads.named:
         notes.append(f"column {at[0] + 1} is read as wavelengths in nm: nothing names it")
     empty = ~np.isfinite(data).any(axis=0)
@@ -258,11 +258,7 @@ def _groups(
         if k not in places
         and (
             (empty[k] and (k in worded or not heads.texts[k]))
-            or (
-                wavelengths.heads_index(heads.texts[k])
-                and wavelengths.counts(data[:, k])
-                and (heads.named or k < at[0])
-            )
+            or (wavelengths.numbers_rows(heads.texts[k], data[:, k]) and (heads.named or k < at[0]))
         )
     ]
     if len(aside) + len(at) == columns:  # a mistake in the only column is told
@@ -289,8 +285,8 @@ def _groups(
     return groups, notes
 
 
-def _unnamed(sheet: Sheet, data: NDArray, heads: Heads) -> int:
-    """Return which column holds the wavelengths where no heading says it."""
+def _unnamed(sheet: Sheet, data: NDArray, heads: Heads) -> list[int]:
+    """Return which columns hold the wavelengths where no heading says it."""
     if heads.wrong:
         raise NoSpectra(
             f"{sheet.path}:{heads.line}",
@@ -299,14 +295,17 @@ def _unnamed(sheet: Sheet, data: NDArray, heads: Heads) -> int:
         )
     first = data[:, 0]
     if data.shape[1] > 2 and wavelengths.counts(first) and wavelengths.likely(data[:, 1]):
-        return 1
+        return [1]
+    pairs = list(range(0, data.shape[1], 2))
+    if len(pairs) > 1 and all(wavelengths.likely(data[:, k]) for k in pairs):
+        return pairs
     if wavelengths.counts(first) or (heads.named and not wavelengths.likely(first)):
         raise NoSpectra(
             f"{sheet.path}:{heads.line}",
             "the first column counts rows, and no other is named as wavelengths",
             "name the column of wavelengths wavelength_nm",
         )
-    return 0
+    return [0]
 
 
 def _unit(sheet: Sheet, rows: list[Row], head: str, x_unit: str, values: NDArray) -> str:

@@ -14,6 +14,15 @@ from .wavelengths import heads_index, heads_wavelengths
 _MOST = 4
 """Lines of headings."""
 
+_ABOUT = re.compile(
+    r"date|time|user|operator|instrument|serial|datum|zeit|benutzer|gerät|fecha|data\b|heure",
+    re.IGNORECASE,
+)
+"""What a line tells that names no samples."""
+
+_VISTA = ["Wavelength (nm)", "Radiance of the reference", "Radiance of the target", "Reflectance %"]
+"""Columns of Spectra Vista's ``.sig`` files, which do not name them."""
+
 
 @dataclass(frozen=True)
 class Heads:
@@ -41,9 +50,12 @@ def heads_of(sheet: Sheet, start: int, rows: Sequence[Row]) -> Heads:
     below = [_padded(row, width, shift) for _, row in reversed(grid[:main])]
     head = _padded(cells, width, shift)
     width = max(width, len(head)) if len(head) > width else len(head)
-    over = _padded(grid[main + 1][1], width, shift) if main + 1 < len(grid) else []
     at = [k for k in range(width) if heads_wavelengths(head[k])]
-    over = _spread(over, at) if over else [""] * width
+    over = [""] * width
+    for _, row in grid[main + 1 :]:  # the nearest that names samples
+        named = _spread(_padded(row, width, shift), at)
+        if len(named) == width and not _ABOUT.match(row[0]):
+            over = [one or other for one, other in zip(over, named, strict=True)]
     texts, names = [], []
     for k in range(width):
         under = [row[k] for row in below if k < len(row) and row[k]]
@@ -147,6 +159,8 @@ def _without(
     stem = sheet.path.stem
     names = [stem if width <= 2 else f"{stem} {k}" for k in range(width)]
     blank = Heads(names, [""] * width, line=rows[0].line if rows else 1)
+    if width == len(_VISTA) and "Spectra Vista" in sheet.rows[0].text:
+        return Heads(_VISTA, _VISTA, [0], True, False, blank.line)
     if not rows or not grid:
         return _free(sheet, start, blank, width)
     line, cells = grid[0]

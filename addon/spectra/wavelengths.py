@@ -54,6 +54,7 @@ _INDEX = re.compile(
 )
 
 _LONGEST_HEADER = 200
+_AROUND = re.compile(r"(?<![a-z])[nµμu]m\b|[\s\0_()\[\]{}.,:;-]+", re.IGNORECASE)
 _LOOKED_AT = 160  # cells
 
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)?")
@@ -93,6 +94,15 @@ _EV = re.compile(r"(photon )?energy ?[(\[]? ?ev ?[)\]]?|ev", re.IGNORECASE)
 def heads_index(text: str) -> bool:
     """Whether a column under this header counts rows, channels or samples."""
     return len(text) < 30 and _INDEX.fullmatch(" ".join(text.replace("_", " ").split())) is not None
+
+
+def numbers_rows(text: str, values: NDArray[np.float64]) -> bool:
+    """Whether a column under this header is a number of rows, channels or samples."""
+    if not heads_index(text):
+        return False
+    word = text.strip().casefold()
+    whole = bool(np.isfinite(values).all() and (values == np.round(values)).all())
+    return counts(values) or (whole and word not in ("", "v1", "x1", "x.1"))
 
 
 def counts(values: NDArray[np.float64]) -> bool:
@@ -140,7 +150,7 @@ def in_header(cells: Sequence[str]) -> list[tuple[str, list[int], NDArray[np.flo
         if affix is None or size < 8:
             continue
         values = np.array([one[1] for one in told[columns[0] : at] if one is not None])
-        around = affix.strip(" \0_-()[]{}.,:;")
+        around = _AROUND.sub(" ", affix).strip()
         for part in _one_way(values):
             # ``X0.4`` is in µm; alone, 0.4 is a reflectance.
             by_size = UM if around and values[part].max() < 50.0 else NM

@@ -423,6 +423,39 @@ KNOWN = {
     "CGATS, names with blanks": ("a.txt", cgats(names=("Dark red", "Red 2"), quote="", sep="\t")),
     "CGATS, names with blanks between blanks": ("a.txt", cgats(names=("Dark red 2",), quote="")),
     "CGATS, a norm of 30": ("a.sp", cgats(scale=30.0, more='SPECTRAL_NORM "30.0"')),
+    "Spectra Vista": (
+        "a.sig",
+        text(
+            "/*** Spectra Vista SIG Data ***/",
+            "units= Radiance, Radiance",
+            "data=",
+            rows(117 + GREY, 117 * RED, PERCENT, sep="  "),
+        ),
+    ),
+    "pairs without headings": (
+        "a.csv",
+        text([f"{a},{b}" for a, b in zip(rows(RED), rows(GREY), strict=True)]),
+    ),
+    "an id of the sample": ("a.csv", text("id,nm,red", [f"3,{row}" for row in rows(RED)])),
+    "exponents of Fortran": (
+        "a.txt",
+        text("nm red", [r.replace("e", "D") for r in rows(RED, sep=" ", form="{:.5e}")]),
+    ),
+    "a remission": ("a.csv", text("nm;Remission / %", rows(PERCENT, sep=";"))),
+    "rows are samples, with and without gloss": (
+        "a.csv",
+        text(
+            "Name,"
+            + ",".join(f"{nm}nm(SCI)" for nm in TENS)
+            + ","
+            + ",".join(f"{nm}nm(SCE)" for nm in TENS),
+            "Red," + ",".join(f"{100 * v:.4f}" for v in [*red(TENS), *(0.9 * red(TENS))]),
+        ),
+    ),
+    "names over dates over quantities": (
+        "a.csv",
+        text("Sample,Red", "Date,2024-01-01", "Wavelength,Reflectance", rows(RED)),
+    ),
     "percent in French": (
         "a.csv",
         text("Longueur d'onde (nm);Rouge - Réflectance (%)", rows(PERCENT, sep=";")),

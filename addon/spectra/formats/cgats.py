@@ -28,7 +28,7 @@ NAME = "CGATS"
 ENDINGS = (".cgats", ".cie", ".it8", ".sp", ".ti3", ".txt")
 
 _FIELD = re.compile(
-    r"(?:(?P<what>[A-Z]*)_?)??(?:SPECTRAL|SPECTRUM|SPEC|NM|REFLECTANCE|REFL|TRANSMITTANCE|TRANS|R|T)?_?"
+    r"(?:(?P<what>[A-Z\d]*)_?)??(?:SPECTRAL|SPECTRUM|SPEC|NM|REFLECTANCE|REFL|TRANSMITTANCE|TRANS|R|T)?_?"
     r"(?:NM|WL)?_?(?P<nm>\d{3,4}(?:[.,]\d+)?)_?(?:NM)?",
     re.IGNORECASE,
 )
