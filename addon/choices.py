@@ -11,14 +11,14 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Choice:
+class Entry:
     """How a choice is shown: ``label`` in the panel, ``description`` in tooltips and help."""
 
     label: str
     description: str
 
 
-Choices = dict[str, Choice]
+Choices = dict[str, Entry]
 """By identifier, in the order in which they are shown."""
 
 
@@ -45,11 +45,11 @@ def items(choices: Choices, *, upper: bool = False) -> tuple[tuple[str, str, str
 
 
 BASES: Choices = {
-    "rayleigh": Choice(
+    "rayleigh": Entry(
         "Rayleigh", "Sunlight scattered by air never, once and twice: for clear skies"
     ),
-    "daylight": Choice("CIE Daylight", "The CIE daylight functions: measured days, also overcast"),
-    "atmosphere": Choice(
+    "daylight": Entry("CIE Daylight", "The CIE daylight functions: measured days, also overcast"),
+    "atmosphere": Entry(
         "Atmosphere", "Simulated light of all kinds at this sun's elevation: also for low suns"
     ),
 }
@@ -63,68 +63,68 @@ SIMPLEST = "simplest"
 
 def offered_bases() -> Choices:
     """Return the bases with `SIMPLEST` before them, which `transfer.choice` makes one of them."""
-    chosen = Choice("Simplest", "Rayleigh where it keeps to the tolerance, else Atmosphere")
+    chosen = Entry("Simplest", "Rayleigh where it keeps to the tolerance, else Atmosphere")
     return {SIMPLEST: chosen, **BASES}
 
 
 OPEN, DOME, BAKED = "open", "dome", "baked"
 
 OCCLUSIONS: Choices = {
-    OPEN: Choice("Open Sky", "The whole sky lights every face; only the sun casts shadows"),
-    DOME: Choice("Live", "24 soft suns cast the sky's shadows in Eevee, also of moving objects"),
-    BAKED: Choice("Baked", "Shadows baked for each vertex: exact, nearly free, in both engines"),
+    OPEN: Entry("Open Sky", "The whole sky lights every face; only the sun casts shadows"),
+    DOME: Entry("Live", "24 soft suns cast the sky's shadows in Eevee, also of moving objects"),
+    BAKED: Entry("Baked", "Shadows baked for each vertex: exact, nearly free, in both engines"),
 }
 """How geometry that hides the sky darkens materials."""
 
 GROUNDS: Choices = {
-    "auto": Choice("Automatic", "The modelled ground where geometry lies under the materials"),
-    "hdri": Choice("From the HDRI", "What the lower half of the HDRI shows"),
-    "modelled": Choice("Modelled", "Level ground of the reflectance that lies under the materials"),
-    "none": Choice("None", "No light comes from below"),
+    "auto": Entry("Automatic", "The modelled ground where geometry lies under the materials"),
+    "hdri": Entry("From the HDRI", "What the lower half of the HDRI shows"),
+    "modelled": Entry("Modelled", "Level ground of the reflectance that lies under the materials"),
+    "none": Entry("None", "No light comes from below"),
 }
 """Where light from below comes from."""
 
 ENGINES: Choices = {
-    "eevee": Choice("Eevee", "Fast"),
-    "cycles": Choice("Cycles", "Exact"),
+    "eevee": Entry("Eevee", "Fast"),
+    "cycles": Entry("Cycles", "Exact"),
 }
 
 SPACES: Choices = {
-    "Linear Rec.709": Choice("Rec.709", "Blender's default"),
-    "Linear Rec.2020": Choice("Rec.2020", "A wide gamut, of television"),
-    "ACEScg": Choice("ACEScg", "A wide gamut, of film"),
+    "Linear Rec.709": Entry("Rec.709", "Blender's default"),
+    "Linear Rec.2020": Entry("Rec.2020", "A wide gamut, of television"),
+    "ACEScg": Entry("ACEScg", "A wide gamut, of film"),
 }
 """Blender's working spaces, by its own names."""
 
 QUALITIES: Choices = {
-    "preview": Choice("Preview", "Takes seconds"),
-    "reference": Choice("Reference", "Takes minutes, with less noise"),
+    "preview": Entry("Preview", "Takes seconds"),
+    "reference": Entry("Reference", "Takes minutes, with less noise"),
 }
 """Of simulated skies."""
 
 UNITS: Choices = {
-    "percent": Choice("Percent", "0 to 100"),
-    "fraction": Choice("Fraction", "0 to 1"),
+    "percent": Entry("Percent", "0 to 100"),
+    "fraction": Entry("Fraction", "0 to 1"),
 }
 """Of reflectances and transmittances."""
 
 KINDS: Choices = {
-    "REFLECTANCE": Choice("Reflectance", "A surface: the share of each wavelength it reflects"),
-    "GLASS": Choice("Glass", "A pane: the share of each wavelength it transmits, face on"),
-    "METAL": Choice("Metal", "A polished metal: its refractive index n and extinction k"),
+    "REFLECTANCE": Entry("Reflectance", "A surface: the share of each wavelength it reflects"),
+    "GLASS": Entry("Glass", "A pane: the share of each wavelength it transmits, face on"),
+    "METAL": Entry("Metal", "A polished metal: its refractive index n and extinction k"),
 }
 """What a material's file holds, by identifiers that blend files and scripts of the panel hold."""
 
 PANES: Choices = {
-    "FACE": Choice("Single Face", "Each face of the mesh is a whole pane"),
-    "BLOCK": Choice("Closed Block", "The mesh has a face on either side of the pane"),
+    "FACE": Entry("Single Face", "Each face of the mesh is a whole pane"),
+    "BLOCK": Entry("Closed Block", "The mesh has a face on either side of the pane"),
 }
 """How glass is modelled, by the panel's identifiers."""
 
 ORDERS: Choices = {
-    "name": Choice("Name", "By name"),
-    "hue": Choice("Hue", "By hue under D65; neutral colors come last"),
-    "lightness": Choice("Lightness", "From dark to light"),
-    "source": Choice("Source", "By folder and file"),
+    "name": Entry("Name", "By name"),
+    "hue": Entry("Hue", "By hue under D65; neutral colors come last"),
+    "lightness": Entry("Lightness", "From dark to light"),
+    "source": Entry("Source", "By folder and file"),
 }
 """In which a library is shown."""

@@ -16,10 +16,10 @@ from spectral_skylight.addon.transfer import choice, ground
 ENTER = """
 import sys
 from spectral_skylight.addon import choices
-from spectral_skylight.addon.choices import Choice
+from spectral_skylight.addon.choices import Entry
 
-choices.BASES["clouds"] = Choice("Clouds", "Light as clouds scatter it")
-choices.OCCLUSIONS["fog"] = Choice("Foggy", "Fog hides the sky")
+choices.BASES["clouds"] = Entry("Clouds", "Light as clouds scatter it")
+choices.OCCLUSIONS["fog"] = Entry("Foggy", "Fog hides the sky")
 """
 """One entry each; the function of the basis is that basis."""
 

@@ -170,7 +170,10 @@ def test_what_cannot_be_submitted_is_said(plan, tmp_path, capsys):
     bare = tmp_path / "plan.jsonl"
     shutil.copy(plan, bare)
     for arguments, said in (
-        ([str(bare)], "prepared/dawn.blend is not prepared; batch plan STUDY.toml --prepare"),
+        (
+            [str(bare)],
+            "prepared/dawn.blend is not prepared; run batch plan STUDY.toml with --prepare",
+        ),
         ([str(tmp_path / "none.jsonl")], "cannot be read"),
         ([str(plan), "--together", "0"], "--together: 0 are none; use 1 or more"),
         ([str(plan), "--workers", "-1"], "--workers: -1 are none; use 1 or more"),
