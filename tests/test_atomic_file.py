@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 import threading
@@ -125,3 +126,11 @@ def test_it_works_as_a_lone_file(tmp_path):
     )
     subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True)
     assert (tmp_path / "a").read_text() == "new"
+
+
+def test_no_other_file_renames_what_it_wrote():
+    """Each way of its own forgot something: a link, a mode, or what was half-written."""
+    addon = Path(atomic_file.__file__).parent
+    ways = re.compile(r"mkstemp|NamedTemporaryFile|os\.(replace|rename)|\bpart\.(replace|rename)\(")
+    found = [p.name for p in addon.rglob("*.py") if ways.search(p.read_text(encoding="utf-8"))]
+    assert found == ["atomic_file.py"]

@@ -102,6 +102,7 @@ def test_the_chart_has_a_new_basis():
 
 PANEL = """
 import json
+import os
 import bpy
 import spectral_skylight
 
@@ -112,7 +113,8 @@ for name in ("basis", "occlusion"):
     items = world.skylight.bl_rna.properties[name].enum_items
     shown[name] = [[item.identifier, item.name, item.description] for item in items]
 world.skylight.basis, world.skylight.occlusion = "clouds", "fog"
-print(json.dumps([shown, world.skylight.basis, world.skylight.occlusion]))
+print(json.dumps([shown, world.skylight.basis, world.skylight.occlusion]), flush=True)
+os._exit(0)  # bpy before 5.0 can crash at exit
 """
 
 
