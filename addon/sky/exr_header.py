@@ -275,8 +275,8 @@ def _count(part: Part, source: _Source) -> int:
 def _tiles(part: Part) -> int:
     """Return how many tiles a part has in all levels."""
     across, down, mode = struct.unpack("<2IB", part.tiles)
-    if not (across and down) or mode & 15 > 2:
-        raise _Damaged(f"its tiles are {across} x {down}")
+    if not (across and down) or mode & 15 > 2 or mode >> 4 > 1:
+        raise _Damaged(f"its tiles are {across} x {down} of mode {mode}")
     left, top, right, bottom = part.data_window
     width, height = right - left + 1, bottom - top + 1
     up = mode >> 4

@@ -146,6 +146,11 @@ def test_exr_that_claims_more_than_it_holds(files, tmp_path):
     place = rows[table : table + 8]
     path.write_bytes(rows[:table] + 16 * place + rows[table + 128 :])
     assert isinstance(outcome(path)[0], str)
+    tiles = files["tiles.exr"]
+    place = tiles.index(b"tiledesc") + 9 + 4
+    for mode in (0x20, 0xF1, 0xF2, 3):  # of levels and rounding that there are none
+        path.write_bytes(tiles[: place + 8] + bytes([mode]) + tiles[place + 9 :])
+        assert "header" in outcome(path)[0]
     path.write_bytes(whole[:8] + b"a\0string\0" + struct.pack("<i", 1 << 30))
     assert "header" in outcome(path)[0]
 
