@@ -17,13 +17,13 @@ from functools import partial
 
 import bpy
 
-from . import sky_visibility
+from . import baked_light
 from . import tree as groups
 from .tree import Socket
 from .value import Value, inputs
 
 KIND = "Sky Bake"
-VERSION = 2
+VERSION = 3
 LEVELS = 7  # a face of four corners then has 128 x 128 cells
 LEVEL = "skylight_level"  # on a loose vertex: how often its face is halved
 SPLIT = "skylight_split"  # … whether it is triangulated first
@@ -41,7 +41,6 @@ INPUTS = (
     Socket(
         "Near", "Float", "Distance in object units that a corner may have from where it was baked"
     ),
-    Socket("Bounce", "Bool", "Store light reflected by neighbors, in five more attributes"),
     Socket("Back", "Bool", "Store light on faces seen from behind, in one more attribute"),
 )
 OUTPUTS = (Socket("Geometry", "Geometry", "Subdivided geometry with the baked attributes"),)
@@ -126,10 +125,6 @@ def _build(tree: bpy.types.NodeTree) -> None:
         value = switch("RGBA", kept, (0.0, 0.0, 0.0, 1.0), value)
         return store(mesh, name, value, "FLOAT_COLOR", "CORNER")
 
-    for name in (*map(sky_visibility.attribute, range(5)), sky_visibility.EXACT):
-        mesh = keep(mesh, name)
-    mesh = switch("GEOMETRY", given["Back"], mesh, keep(mesh, sky_visibility.BACK))
-    bounced = mesh
-    for number in range(5, 10):
-        bounced = keep(bounced, sky_visibility.attribute(number))
-    add("NodeGroupOutput", switch("GEOMETRY", given["Bounce"], mesh, bounced))
+    mesh = keep(mesh, baked_light.LIGHT)
+    both = keep(mesh, baked_light.BEHIND)
+    add("NodeGroupOutput", switch("GEOMETRY", given["Back"], mesh, both))

@@ -1,14 +1,14 @@
 """`Skylight Surface`: a matt surface that the light of one World shines on, as an Emission.
 
     colour = M E_sky + Ground E_ground + Sun E_sun + Lamp 1 E_1 + Lamp 2 E_2
-             + N_1 E_by_way_of_1 + N_2 E_by_way_of_2
 
 M is the material's matrix for skylight; Ground, Sun and Lamp are what it reflects of light of one
-known spectrum, three numbers each; N_k the matrix of its reflectance times that of a neighbour. A
-material differs from another by the values of its group node's inputs alone, so one shader serves
-all of a World; what that World has none of is not in it (`Features`). Drivers copy the World's
-strength and rotation; their target is also how the group of a World is known. (A custom property
-that points to the World would do the same, but in Blender 4.5 each render takes a user off it.)
+known spectrum, three numbers each. Where a mesh is baked the first two are what the bake made of
+all light but sun and lamps (`baked_light`). A material differs from another by the values of its
+group node's inputs alone, so one shader serves all of a World; what that World has none of is not
+in it (`Features`). Drivers copy the World's strength and rotation; their target is also how the
+group of a World is known. (A custom property that points to the World would do the same, but in
+Blender 4.5 each render takes a user off it.)
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from typing import Literal
 
 import bpy
 
-from . import light_probe, normals, sky_irradiance, sky_visibility, spectral_matrix
+from . import baked_light, light_probe, normals, sky_irradiance, spectral_matrix
 from . import tree as groups
 from .drivers import drive
 from .sockets import CYCLES, NORMAL, SHADER, alpha
@@ -28,21 +28,20 @@ from .tree import Socket
 from .value import Value, combine_xyz, inputs, outputs
 
 KIND = "Skylight Surface"
-VERSION = 3
+VERSION = 4
 SKY = "Sky"  # the nodes whose Rotation and Strength follow the World
 GROUND = "Ground"
 PROBE = "Probe"
-VISIBILITY = "Visibility"
+BAKED = "Baked"
+OLD = "Visibility"  # in its place before version 4: harmonics of what vertices saw of the sky
 ANY = "sun_threshold"  # a number that every World has
 LIGHTS = {
     "Ground": "light from the ground",
     "Sun": "sunlight",
     "Lamp 1": "light of the first kind of lamps",
     "Lamp 2": "light of the second kind of lamps",
-    "Bounce 1 Sun": "sunlight reflected by the first kind of neighbors",
-    "Bounce 2 Sun": "sunlight reflected by all other neighbors",
 }
-BOUNCES = {"Bounce 1": "the first kind of neighbors", "Bounce 2": "all other neighbors"}
+TINT = "Tint"
 IRRADIANCE, REFLECTANCE = "Skylight Irradiance", "Skylight Reflectance"
 """Passes (AOVs) that a view layer may ask for: the sky's irradiance/π, and the material's colour
 under a light of (1, 1, 1)."""
@@ -55,16 +54,7 @@ INPUTS = (
         Socket(name, "Vector", f"RGB that the material reflects of {light}", (0.0, 0.0, 0.0))
         for name, light in LIGHTS.items()
     ),
-    *(
-        Socket(
-            f"{name} {row}",
-            "Vector",
-            f"{number} row of the matrix for skylight reflected by {neighbors}",
-            (0.0, 0.0, 0.0),
-        )
-        for name, neighbors in BOUNCES.items()
-        for row, number in (("R", "First"), ("G", "Second"), ("B", "Third"))
-    ),
+    Socket(TINT, "Vector", "RGB that baked light is multiplied by", (1.0, 1.0, 1.0)),
 )
 OUTPUTS = (SHADER, CYCLES)
 
@@ -73,16 +63,14 @@ OUTPUTS = (SHADER, CYCLES)
 class Features:
     """What the light of a World is made of, which is what its shader holds.
 
-    ``sky``: "open"; "baked", where vertices know how much of the sky they see; "dome", live from
+    ``sky``: "open"; "baked", where vertices have all light but sun and lamps; "dome", live from
     lamps (Eevee; open in Cycles). ``probe``: sun or lamps; a dome needs it. ``ground``: light from
-    below on its own. ``bounce``: light by way of neighbours, from a bake. Another value compiles
-    another shader.
+    below on its own. Another value compiles another shader.
     """
 
     sky: Literal["open", "baked", "dome"] = "open"
     probe: bool = False
     ground: bool = False
-    bounce: bool = False
 
     def __str__(self) -> str:
         return " ".join(str(part) for part in astuple(self))
@@ -108,7 +96,7 @@ def is_newer(world: bpy.types.World) -> bool:
         SKY: sky_irradiance.VERSION,
         GROUND: sky_irradiance.VERSION,
         PROBE: light_probe.VERSION,
-        VISIBILITY: sky_visibility.VERSION,
+        BAKED: baked_light.VERSION,
     }
     return groups.is_newer(surface, VERSION) or any(
         groups.is_newer(tree, version)
@@ -119,7 +107,7 @@ def is_newer(world: bpy.types.World) -> bool:
 
 def part(tree: bpy.types.NodeTree, name: str) -> bpy.types.NodeTree | None:
     """The group inside a `Skylight Surface` group that is its `SKY`, `GROUND`, `PROBE` or
-    `VISIBILITY`; None where it has none."""
+    `BAKED`; None where it has none."""
     node = tree.nodes.get(name)
     return None if node is None else node.node_tree
 
@@ -131,11 +119,10 @@ def sky_in(tree: bpy.types.NodeTree) -> bpy.types.NodeTree:
 
 def features_of(tree: bpy.types.NodeTree) -> Features:
     """What a `Skylight Surface` group holds."""
-    sky = "baked" if VISIBILITY in tree.nodes else "open"
+    sky = "baked" if BAKED in tree.nodes or OLD in tree.nodes else "open"
     if PROBE in tree.nodes and tree.nodes[PROBE].outputs["Sky"].is_linked:
         sky = "dome"
-    bounce = sky == "baked" and tree.nodes[VISIBILITY].outputs["Bounce 1"].is_linked
-    return Features(sky, PROBE in tree.nodes, GROUND in tree.nodes, bounce)  # type: ignore[arg-type]
+    return Features(sky, PROBE in tree.nodes, GROUND in tree.nodes)  # type: ignore[arg-type]
 
 
 def ensure(
@@ -153,12 +140,12 @@ def ensure(
     which is a colour out of gamut, as 0.
     """
     tree = find(world)
-    old = {name: part(tree, name) for name in (SKY, GROUND, PROBE, VISIBILITY)} if tree else {}
+    old = {name: part(tree, name) for name in (SKY, GROUND, PROBE, BAKED, OLD)} if tree else {}
     if features is None:
         features = features_of(tree) if tree else Features()
     sky = sky_irradiance.ensure(old.get(SKY))
     parts = {SKY: sky}
-    dome, bounce = features.sky == "dome", features.sky == "baked" and features.bounce
+    dome = features.sky == "dome"
     if features.ground:
         parts[GROUND] = sky_irradiance.ensure(
             old.get(GROUND), sky_irradiance.GROUND, sky_irradiance.GROUND_DEGREE
@@ -166,14 +153,14 @@ def ensure(
     if features.probe or dome:
         parts[PROBE] = light_probe.ensure(old.get(PROBE))
     if features.sky == "baked":
-        parts[VISIBILITY] = sky_visibility.ensure(old.get(VISIBILITY), bounce)
+        parts[BAKED] = baked_light.ensure(old.get(BAKED))
     tree = groups.ensure(
         tree,
         KIND,
         VERSION,
         INPUTS,
         OUTPUTS,
-        partial(_build, parts=parts, matrix=spectral_matrix.ensure(), dome=dome, bounce=bounce),
+        partial(_build, parts=parts, matrix=spectral_matrix.ensure(), dome=dome),
         variant=str(features),
     )
     for name, inside in parts.items():
@@ -205,7 +192,6 @@ def _build(
     parts: dict[str, bpy.types.NodeTree],
     matrix: bpy.types.NodeTree,
     dome: bool,
-    bounce: bool,
 ) -> None:
     add = partial(groups.add, tree)
     given = inputs(tree)
@@ -225,38 +211,25 @@ def _build(
         node = add("ShaderNodeGroup", node_tree=matrix, into={"Color": sky, **linked})
         return Value(node.outputs[0])
 
-    def open_below(share: Value) -> Value:
-        """What of the light from below a face gets: its open share over that of a free face."""
-        normal = normals.build(tree, given["Normal"])
-        return share / (normal.dot((0.0, 0.0, -0.5)) + 0.5).maximum(1e-3)
-
     probe = light(PROBE) if PROBE in parts else None
     sky = light(SKY)["Irradiance"]
-    seen = light(VISIBILITY) if VISIBILITY in parts else None
-    if seen:
-        sky = choice(seen["Baked"], sky * seen["Back"], seen["Irradiance"])
-    both = []  # light that both engines know
-    if GROUND in parts:
-        ground = light(GROUND)["Irradiance"]
-        if seen:
-            back = ground * seen["Back Ground"]
-            ground = choice(seen["Baked"], back, ground * open_below(seen["Ground"]))
-        both.append(given["Ground"] * ground)
-    if seen and bounce:
-        for name in BOUNCES:
-            both.append(reflected(seen[name], [f"{name} {row}" for row in "RGB"]))
-            if probe:
-                both.append(given[f"{name} Sun"] * (probe["Sun Color"] * seen[f"{name} Sun"]))
+    ground = light(GROUND)["Irradiance"] if GROUND in parts else None
+    baked = light(BAKED) if BAKED in parts else None
     own = spectral_matrix.ROWS
     even = combine_xyz(*(given[row].dot((1.0, 1.0, 1.0)) for row in own))
-    in_eevee = probe["Sky"] if probe and dome else sky
-    add("ShaderNodeOutputAOV", in_eevee, aov_name=IRRADIANCE)
+
+    def lit_by_sky(sky: Value) -> Value:
+        colour = reflected(sky, own)
+        return colour if ground is None else given["Ground"].multiply_add(ground, colour)
+
+    both = lit_by_sky(sky)  # in both engines
+    if baked:
+        both = choice(baked["Baked"], both, baked["Light"] * given[TINT])
+        sky = choice(baked["Baked"], sky, baked["Light"] / even)
+    live = probe["Sky"] if probe and dome else None
+    add("ShaderNodeOutputAOV", sky if live is None else live, aov_name=IRRADIANCE)
     add("ShaderNodeOutputAOV", even, aov_name=REFLECTANCE)
-    colours = {"Shader": reflected(in_eevee, own)}
-    colours["Cycles"] = reflected(sky, own) if dome else colours["Shader"]
-    for name, colour in colours.items():
-        for more in both:
-            colours[name] = colour = more + colour
+    colours = {"Shader": both if live is None else lit_by_sky(live), "Cycles": both}
     if probe:
         lit = given["Sun"].multiply_add(probe["Sun"], colours["Shader"])
         for name in ("Lamp 1", "Lamp 2"):

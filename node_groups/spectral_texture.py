@@ -16,7 +16,7 @@ from .tree import Socket
 from .value import inputs, vector_math
 
 KIND = "Spectral Texture"
-VERSION = 1
+VERSION = 2
 LIGHTS = {
     "Sun": "sunlight",
     "Ground": "light from the ground",
@@ -24,7 +24,8 @@ LIGHTS = {
     "Lamp 2": "light of the second kind of lamps",
 }
 ROWS = {"Row R": "First", "Row G": "Second", "Row B": "Third"}
-OUTPUTS = (*ROWS, *LIGHTS)
+TINT = "Tint"
+OUTPUTS = (*ROWS, *LIGHTS, TINT)
 CHANNELS = ("Red", "Green", "Blue")
 
 Values = list[list[float]]
@@ -97,6 +98,8 @@ def get_values(node: bpy.types.Node) -> dict[str, Values]:
 
 
 def _meaning(name: str) -> str:
+    if name == TINT:
+        return "RGB that baked light is multiplied by"
     if name in ROWS:
         return f"{ROWS[name]} row of the matrix for skylight"
     return f"RGB reflected of {LIGHTS[name]}"

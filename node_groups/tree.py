@@ -71,8 +71,8 @@ def ensure(
 
     An older group, or one of another variant (what of a kind is inside), keeps its identity and its
     sockets, and with them (`interface.clear()` would lose them) its users' values and links;
-    missing sockets are added, the inside is built anew. A group at this version gets the
-    descriptions that it lacks, which changes no shader.
+    missing sockets are added, those that are no more are taken away, the inside is built anew. A
+    group at this version gets the descriptions that it lacks, which changes no shader.
     """
     if tree is None:
         tree = bpy.data.node_groups.new(kind, tree_type)
@@ -88,6 +88,10 @@ def ensure(
             elif not current:
                 _add_socket(tree, in_out, socket)
     if not current:
+        known = {"INPUT": {s.name for s in inputs}, "OUTPUT": {s.name for s in outputs}}
+        for item in list(tree.interface.items_tree):
+            if item.item_type == "SOCKET" and item.name not in known[item.in_out]:
+                tree.interface.remove(item)
         tree.nodes.clear()
         build(tree)
         arrange(tree)

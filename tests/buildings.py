@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 
 from spectral_skylight.addon import tags
-from spectral_skylight.node_groups import sky_visibility
+from spectral_skylight.node_groups import baked_light
 
 
 def material():
@@ -58,17 +58,15 @@ def as_bytes(mesh):
 def flags(obj):
     """Whether the corners (c,) of an object as shown have values of its bake."""
     mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    return colours(mesh, "skylight_4")[:, 1] >= 1.0
+    return colours(mesh, baked_light.LIGHT)[:, 3] == baked_light.FLAG
 
 
 def sky_share(obj):
-    """Harmonic (0, 0) of an object's corners and their normals in the world."""
+    """What an object's corners receive of an even sky of 1, and their normals in the world."""
     mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    number, channel = sky_visibility.PLACES[0, 0]
     normals = np.empty(3 * len(mesh.loops), np.float32)
     mesh.corner_normals.foreach_get("vector", normals)
     to_world = np.linalg.inv(np.array(obj.matrix_world)[:3, :3])
     normals = normals.reshape(-1, 3) @ to_world
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
-    values = colours(mesh, sky_visibility.attribute(number))[:, channel] / 0.28209479
-    return values, normals
+    return colours(mesh, baked_light.LIGHT)[:, 0], normals

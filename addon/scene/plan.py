@@ -167,22 +167,18 @@ def _material(
         file=given.source,
         behind=given.behind,
     )
-    name = material.name_full
     surface = Surface(
         choice.matrices[k],
         given.name,
         given.hash,
         details,
-        reflected={
-            **{light: rgb[k] for light, rgb in reflected.items()},
-            **lights.bounced(name, given.values),
-        },
+        reflected={light: rgb[k] for light, rgb in reflected.items()},
         gloss=settings.gloss or given.metal is not None,
         textured=texture is not None,
     )
-    comparison = dict(rgb_comparison.surface(lights, name, given.values))
+    comparison = dict(rgb_comparison.surface(lights, given.values))
     if texture is not None:
-        comparison |= rgb_comparison.texture(lights, texture)
+        comparison |= rgb_comparison.texture(lights, texture, given.values)
     return MaterialPlan(material, given, surface, texture, comparison)
 
 

@@ -12,7 +12,7 @@ from ..choices import BAKED, DOME
 from ..sky.light import SkyLight
 from ..transfer.matrices import Transfer
 from ..transfer.white import AUTO
-from .bake import interreflection, sky_exposure
+from .bake import sky_exposure
 from .lights import lighting, user_lamps
 from .materials import spectral_material
 from .world import hdri as worlds
@@ -38,7 +38,6 @@ def find(
             if managed is not None and managed.details.values:
                 known[material] = managed.values
     rho = np.array(list(known.values())).reshape(-1, 81)
-    baked = settings.occlusion == BAKED
     return lighting.find(
         light,
         transfer,
@@ -48,7 +47,6 @@ def find(
         with_sun=settings.sun,
         ground=_ground(scene, known, settings),
         occlusion=settings.occlusion,
-        neighbours=_neighbours(known) if baked and settings.bounce else None,
     )
 
 
@@ -63,23 +61,6 @@ def _ground(scene, known, settings):
     if automatic and not covered:
         return "hdri"
     return "modelled" if below is None else known.get(below, "modelled")
-
-
-def _neighbours(
-    known: Mapping[bpy.types.Material, NDArray[np.float64]],
-) -> dict[str, NDArray[np.float64]]:
-    """Return of each material's name what its two kinds of neighbours reflect, (2, 81)."""
-    rho = {material.name_full: values for material, values in known.items()}
-    dark = np.zeros(81)
-    return {
-        name: np.stack(
-            [
-                rho.get(by.first, dark),
-                sum((part * rho.get(other, dark) for other, part in by.others.items()), dark),
-            ]
-        )
-        for name, by in interreflection.neighbours().items()
-    }
 
 
 def towards_sun(

@@ -18,19 +18,20 @@ import numpy as np
 from .. import tags
 from ..choices import BAKED
 from ..errors import InputError
-from ..progress import Progress, mapped, run
+from ..progress import Progress, run
 from ..sky.light import SkyLight
 from ..transfer.assignment import ESTIMATED, Assignment
 from ..transfer.assignment_table import read_table, table_files
 from ..transfer.white import AUTO, estimate_white, settle_white
 from ..whole_files import write_text
 from . import plan as planning
-from .bake import interreflection, scene_bake
+from . import scene_lighting
+from .bake import scene_bake
+from .bake.light import SceneLight
 from .materials import base_color, eligibility, spectral_material
 from .materials.assigned import assigned, in_file
 from .materials.record import Result
 from .plan import Assignments
-from .scene_lighting import towards_sun
 from .world import hdri, light_group, panorama
 from .world.settings import Settings
 from .write import write
@@ -301,20 +302,16 @@ def bake(
     objects: Collection[bpy.types.Object] | None = None,
     **options: Any,
 ) -> Generator[Progress, None, list[str]]:
-    """Bake what objects see of the sky, and bounces where settings ask, yielding how far it is.
+    """Bake all light on objects of the active scene, yielding how far it is.
 
-    ``objects``: of the active scene, None for all of its managed ones; ``options``: those of
-    `scene_bake.bake`. Returns lines to read; `update` then lights it.
+    ``objects``: None for all of its managed ones; ``options``: those of `scene_bake.bake`. Returns
+    lines to read. Raises InputError as `analyzed` does.
     """
-    share = 0.7 if settings.bounce else 1.0
-    lines = yield from mapped(
-        scene_bake.bake(objects, **options),
-        lambda progress: Progress(share * progress.done, progress.line),
-    )
-    if settings.bounce:
-        sun = towards_sun(scene.world, analyzed(scene.world, settings), settings)
-        for done in interreflection.bounce(sun):
-            yield Progress(share + (1.0 - share) * done, "one bounce")
+    world = scene.world
+    light = analyzed(world, settings)
+    assert world is not None  # else it had raised
+    found = scene_lighting.find(world, light, settings.transfer(light), settings, {})
+    lines = yield from scene_bake.bake(objects, light=SceneLight(world, found, scene), **options)
     return lines
 
 

@@ -7,9 +7,11 @@ from dataclasses import replace
 
 import bpy
 
+from ..choices import BAKED
 from ..errors import InputError
 from ..progress import Progress
-from .bake import interreflection
+from .bake import scene_bake
+from .bake.light import SceneLight
 from .lights import lighting
 from .materials import (
     base_color,
@@ -58,7 +60,8 @@ def _write_material(plan: Plan, one: MaterialPlan, group: bpy.types.NodeTree) ->
     if one.given.metal is not None:
         glass_and_metal.keep_metal(material, *one.given.metal)
     if one.texture is not None:
-        spectral_material.set_texture(material, base_color.values(plan.lights, one.texture))
+        values = base_color.values(plan.lights, one.texture, one.given.values)
+        spectral_material.set_texture(material, values)
     shown = swatch.shown(one.result.colour, plan.lights.white_luminance)
     saved_settings.show_colour(material, shown)
     rgb_comparison.keep(material, one.comparison)
@@ -70,14 +73,21 @@ def _finish(plan: Plan, fresh: list[bpy.types.Material]) -> None:
     warnings = _follow(plan, fresh)
     warnings += lighting.refresh(world)
     warnings += _not_shown(fresh)
-    if plan.lights.features.bounce and interreflection.is_stale(plan.towards_sun):
-        warnings.append("the sun has moved since its bounce was baked: bake again")
+    warnings += _relight(plan)
     warnings += glass_and_metal.refresh(scenes, plan.light, plan.choice.transfer)
     for scene in scenes:
         warnings += view_transform.refresh(scene, plan.record.level)
     lines = [*plan.lights.lines, *warnings]
     light_group.keep_record(world, replace(plan.record, lights=tuple(lines)))
     merge_groups.merge()
+
+
+def _relight(plan: Plan) -> list[str]:
+    """Cast the light on what is baked in the active scene; return lines to say."""
+    scene = bpy.context.scene
+    if plan.lights.occlusion != BAKED or scene.world != plan.world or not scene_bake.baked():
+        return []
+    return scene_bake.relight(SceneLight(plan.world, plan.lights, scene))
 
 
 def _follow(plan: Plan, fresh: list[bpy.types.Material]) -> list[str]:
@@ -94,11 +104,10 @@ def _follow(plan: Plan, fresh: list[bpy.types.Material]) -> list[str]:
         assert managed is not None
         if given is None:
             continue  # of the first version, which kept no values
-        reflected = lights.reflected(given.values)
-        bounced = lights.bounced(material.name_full, given.values)
-        spectral_material.update(material, managed.matrix, {**reflected, **bounced})
+        spectral_material.update(material, managed.matrix, lights.reflected(given.values))
         if (texture := base_color.varied(material, given)) is not None:
-            spectral_material.set_texture(material, base_color.values(lights, texture))
+            values = base_color.values(lights, texture, given.values)
+            spectral_material.set_texture(material, values)
     return lines
 
 

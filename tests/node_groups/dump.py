@@ -18,13 +18,13 @@ from typing import Any
 import bpy
 
 from spectral_skylight.node_groups import (
+    baked_light,
     glazing,
     gloss,
     light_probe,
     sky_bake,
     sky_instance,
     sky_irradiance,
-    sky_visibility,
     skylight_surface,
     spectral_matrix,
     spectral_texture,
@@ -46,15 +46,21 @@ RENAMED = {"Fac": "Factor"}  # sockets by their names from Blender 5.0 on
 def every_tree() -> Iterator[bpy.types.NodeTree]:
     """One group of each kind and variant, in files of their own."""
     bpy.ops.wm.read_homefile(use_empty=True)
-    for module in (spectral_matrix, spectral_texture, glazing, light_probe, sky_bake, sky_instance):
+    for module in (
+        baked_light,
+        glazing,
+        light_probe,
+        sky_bake,
+        sky_instance,
+        spectral_matrix,
+        spectral_texture,
+    ):
         yield module.ensure()
     for kind in gloss.KINDS:
         yield gloss.ensure(kind)
     yield sky_irradiance.ensure()
     yield sky_irradiance.ensure(None, sky_irradiance.GROUND, sky_irradiance.GROUND_DEGREE)
-    for bounce in (False, True):
-        yield sky_visibility.ensure(bounce=bounce)
-    for parts in itertools.product(("open", "baked", "dome"), *[(False, True)] * 3):
+    for parts in itertools.product(("open", "baked", "dome"), *[(False, True)] * 2):
         bpy.ops.wm.read_homefile(use_empty=True)
         world = bpy.data.worlds.new("World")
         features = skylight_surface.Features(*parts)

@@ -61,19 +61,29 @@ def test_stale_after_a_move_and_only_what_it_concerns():
     assert scene_bake.stale() == [near[1]]
 
 
-def test_cancelling_leaves_the_object_at_work_as_without_a_bake():
+def test_cancelling_keeps_the_last_whole_light():
+    """Before there is one it leaves no trace; after the first pass all is lit, and not stale."""
     faces.empty_scene()
     made_of = material()
     boxes = [box(f"Box {n}", (4 * n, 0, 1), (1, 1, 2), made_of) for n in range(2)]
     work = scene_bake.bake(rays=64)
-    done = [next(work)]
-    while done[-1].done < 0.75:
-        done.append(next(work))
+    next(work)
     work.close()
-    assert [storage.bake_of(obj) is not None for obj in boxes] == [True, False]
-    assert [storage.modifier_of(obj) is not None for obj in boxes] == [True, False]
+    assert all(storage.modifier_of(obj) is None for obj in boxes)
+    assert scene_bake.baked() == []
+    work = scene_bake.bake(rays=64)
+    done = []
+    for step in work:
+        done.append(step)
+        if step.line == "a first light":
+            break
+    work.close()
+    assert scene_bake.baked() == boxes
+    assert scene_bake.stale() == []
     assert [p.done for p in done] == sorted(p.done for p in done)
-    assert boxes[0] not in scene_bake.stale()
+    for obj in boxes:
+        share, normals = sky_share(obj)
+        assert share[normals[:, 2] > 0.9].mean() == pytest.approx(1.0, abs=0.02)
 
 
 def test_an_edited_mesh_falls_back_to_the_open_sky_where_it_was_edited():

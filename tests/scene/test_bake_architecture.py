@@ -11,7 +11,7 @@ from spectral_skylight.addon.scene.output import render as renders
 from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.addon.transfer.assignment import Assignment
-from spectral_skylight.node_groups import sky_visibility
+from spectral_skylight.node_groups import baked_light
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import exr, faces
 from spectral_skylight.tests.buildings import (
@@ -189,17 +189,13 @@ def test_instances_of_collections_each_see_their_own_sky():
              if i.object.type == "LIGHT"]  # fmt: skip
     assert len(lamps) == 2
     assert scene_bake.stale() == []
-    # What moves, with its Empty or in the collection, is open again; what is added shows.
+    # What moves, with its Empty or in the collection, is told; what is added shows.
     moved = next(o for o in instance_proxies.stand_ins(free) if "House" in o.name)
-    here = sky_visibility.mark(moved.matrix_world)
-    free.location.y += 0.3
-    bpy.context.view_layer.update()
-    assert abs(sky_visibility.mark(moved.matrix_world) - here) > sky_visibility.NEAR
-    free.location.y -= 0.3
-    house.location.z += 0.3
-    bpy.context.view_layer.update()
-    assert abs(sky_visibility.mark(moved.matrix_world) - here) > sky_visibility.NEAR
-    house.location.z -= 0.3
+    for obj, axis in ((free, 1), (house, 2)):
+        obj.location[axis] += 0.3
+        bpy.context.view_layer.update()
+        assert moved in scene_bake.stale()
+        obj.location[axis] -= 0.3
     more = box("More", (0, 9, 1), (1, 1, 1), made_of)
     for each in more.users_collection:
         each.objects.unlink(more)
@@ -271,8 +267,7 @@ def test_the_foot_of_a_wall_casts_no_shadow_inside_out():
     progress.run(scene_bake.bake([floor], rays=256))
     mesh = floor.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     fine = storage.read(mesh)
-    number, channel = sky_visibility.PLACES[0, 0]
-    share = colours(mesh, sky_visibility.attribute(number))[:, channel] / 0.28209479
+    share = colours(mesh, baked_light.LIGHT)[:, 0]
     middles = fine.mean(fine.places[fine.point])
     beside = (np.abs(middles[:, 1]) < 1.5) & (middles[:, 0] > 2.2) & (middles[:, 0] < 2.6)
     assert np.count_nonzero(beside) > 3

@@ -1,28 +1,30 @@
-"""Baking what objects of managed materials see of the sky, and lighting that anew without a bake.
+"""Baking the light on objects of managed materials, and lighting them anew without a ray.
 
 All is done by generators that yield how far they are: a button shows it, and whoever drops one
-leaves the objects before it baked and the present one as without a bake. Harmonics are in world
-space: a moved object is stale, as is one whose surroundings have changed.
+keeps the last whole light. It is that of the scene as it stands: a moved object is stale, as is one
+whose surroundings have changed.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Generator
-from functools import partial
 
 import bpy
-import numpy as np
-from numpy.typing import NDArray
 
-from ....node_groups import sky_visibility as names
-from ...progress import Progress, mapped
-from ...sky.harmonics import KEYS, HarmonicFit, rotate
-from . import instance_proxies, object_bake, storage, surroundings, visibility
-from . import raycast as casting
+from ... import tags
+from ...progress import Progress
+from . import geometry, instance_proxies, session, storage, surroundings
+from . import light as light_of_scene
 
 SHAPES = {"MESH", "CURVE", "SURFACE", "FONT"}
 """Kinds of objects that can have the modifier. For instances of collections objects of ours stand
 in (`instances`); metaballs, and what faces, vertices and particles instance, keep the open sky."""
+
+
+def is_managed(obj: bpy.types.Object) -> bool:
+    """Whether an object, as it is or evaluated, has a managed material."""
+    materials = (slot.material for slot in obj.material_slots)
+    return any(material is not None and tags.MATERIAL in material for material in materials)
 
 
 def targets(selected: bool = False) -> list[bpy.types.Object]:
@@ -31,7 +33,7 @@ def targets(selected: bool = False) -> list[bpy.types.Object]:
     An Empty whose instances are to be baked stands for them until others stand in for it.
     """
     layer = bpy.context.view_layer
-    showing, managed = _showing(), object_bake.is_managed
+    showing, managed = _showing(), is_managed
     found = []
     for obj in layer.objects:
         if not obj.visible_get(view_layer=layer) or obj.hide_render:
@@ -51,68 +53,56 @@ def _showing() -> set[bpy.types.Object]:
     return {
         (each.parent if each.is_instance else each.object).original
         for each in bpy.context.evaluated_depsgraph_get().object_instances
-        if object_bake.is_managed(each.object) and each.particle_system is None
+        if is_managed(each.object) and each.particle_system is None
     }
 
 
 def bake(
     objects: Collection[bpy.types.Object] | None = None,
     *,
+    light: light_of_scene.Light | None = None,
     rays: int | None = None,
-    tolerance: float = 0.05,
+    tolerance: float = 0.1,
     changed_only: bool = True,
     slow: bool = False,
 ) -> Generator[Progress, None, list[str]]:
     """Bake objects of the view layer (None: all `targets`), yielding `Progress`; returns lines.
 
+    After each pass of rays all that is baked holds the whole light, with less error than before:
+    whoever stops then keeps that.
+
     Parameters
     ----------
+    light
+        What shines, and what materials do; None: an even sky of radiance 1 on white faces, and
+        nothing sent from one to the other.
     rays
-        From each point, a multiple of 32; None: 1024, or 160 without `embreex`. Where the sky ends
-        each is three, which about doubles them. In a street 1024 leave 1 % and 5 % at worst, 256
-        leave 3 % and 19 % under a low sun.
+        From each point at last; None: as many as take some seconds, 128 to 2048, without `embreex`
+        64 to 256.
     tolerance
-        How far light in the middle of a cell may be from what its corners tell, as a part of it.
+        How far light in the middle of a cell may be from what those around it tell, as a part.
     changed_only
-        Objects whose bake is not stale are left as they are.
+        Only what is stale is laid out anew; where anything is, all is lit.
     slow
         Without `embreex` also where it is installed.
     """
-    if rays is None:
-        rays = 1024 if casting.fast() and not slow else 160
-    if rays % 32 or rays <= 0:
-        raise ValueError(f"{rays} rays are no multiple of 32")
     chosen, lines = _real(targets() if objects is None else objects)
-    around, found = _scene()
-    if changed_only:
+    if changed_only and chosen:
+        around = geometry.gather(bpy.context.evaluated_depsgraph_get())
+        found = surroundings.signatures(around)
         chosen = [obj for obj in chosen if _stale(obj, around, found)]
+    refused = {obj: _hindrance(obj) for obj in chosen}
+    lines += [f'object "{obj.name}" {why}: not baked' for obj, why in refused.items() if why]
+    chosen = [obj for obj in chosen if not refused[obj]]
     done = 0
     try:
-        for number, obj in enumerate(chosen):
-            hindrance = _hindrance(obj)
-            if hindrance:
-                lines.append(f'object "{obj.name}" {hindrance}: not baked')
-                continue
-            name, whole = f"{obj.name} ({number + 1} of {len(chosen)})", False
-            work = object_bake.bake_object(obj, around, rays, tolerance, slow)
-            try:
-                at = partial(_progress, number, len(chosen), name)
-                lines += yield from mapped(work, at)
-                whole = True
-            finally:
-                if not whole:
-                    storage.remove(obj)
-            kept = storage.bake_of(obj)
-            if kept is not None:
-                surroundings.remember(kept, obj.name_full, found)
-                done += 1
+        if chosen:
+            shining = light or light_of_scene.Light()
+            said, done = yield from session.baking(chosen, shining, rays, tolerance, slow)
+            lines += said
     finally:
         _gather()
     return [*lines, *_left_open(), f"{done} object(s) baked"]
-
-
-def _progress(number: int, count: int, name: str, done: float) -> Progress:
-    return Progress((number + done) / count, name)
 
 
 def _real(
@@ -125,7 +115,7 @@ def _real(
         if instance_proxies.instances_of(obj) is None:
             real.append(obj)
         elif obj.is_editable and obj.library is None:
-            real += instance_proxies.spread(obj, object_bake.is_managed)
+            real += instance_proxies.spread(obj, is_managed)
         else:
             lines.append(f'object "{obj.name}" is linked from another file: its instances are open')
     return real, lines
@@ -147,7 +137,7 @@ def _left_open() -> list[str]:
     lines = {}
     for each in bpy.context.evaluated_depsgraph_get().object_instances:
         by = (each.parent if each.is_instance else each.object).original
-        if not object_bake.is_managed(each.object):
+        if not is_managed(each.object):
             continue
         if each.particle_system is not None or by.instance_type in ("VERTS", "FACES"):
             lines[by.name] = "instances under the open sky: make them real"
@@ -182,58 +172,26 @@ def stale() -> list[bpy.types.Object]:
     return [obj for obj in targets() if _stale(obj, around, found)]
 
 
-def light(
-    tree: bpy.types.NodeTree, rgb: NDArray, fit: HarmonicFit, turn: float = 0.0
-) -> list[bpy.types.Object]:
-    """Light all bakes by a sky, without a ray: write harmonics, and what those leave out.
+def relight(light: light_of_scene.Light) -> list[str]:
+    """Give all that is baked another light, and return lines to say.
 
-    `tree`: the World's `Sky Visibility` group. `rgb` (h, 2 h, 3): the sky without its sun, `fit`
-    its harmonics, `turn` [rad]: the z of its Mapping's rotation now. The harmonics follow any turn
-    live; what they leave out is exact for this turn, and fades within 5 degrees of another.
-    Returns the objects. Call it again after a bake.
+    Without a ray where this Blender has baked the scene as it is; else rays are cast anew.
     """
-    first = dict(zip(KEYS, fit.first.tolist(), strict=False))
-    named = dict(zip(KEYS, fit.coefficients.tolist(), strict=True))
-    names.set_coefficients(tree, named, first)
-    sky = visibility.UpperSky.of(rgb, turn)
-    # One of a million keys for a sky as it stands: bakes tell by it whether they have seen it.
-    digest = np.abs(fit.coefficients).sum() * 1e3 + np.cos(turn) * 10.0 + 50.0
-    key = float(1 + round(digest * 7919.0) % 1_000_000)
-    objects = baked()
-    for obj in objects:
-        bake = storage.bake_of(obj)
-        assert bake is not None  # that is what makes it baked
-        points = storage.points_of(obj)
-        values = [storage.read_attribute(bake, names.attribute(n), points) for n in range(4)]
-        transfer = np.stack(
-            [values[n][:, c] for n, c in (names.PLACES[key] for key in KEYS)], axis=1
-        )
-        normals, backed = np.split(storage.read_attribute(bake, storage.NORMAL, points), [3], 1)
-        bits = storage.read_bits(bake, points)
-        if not bits.size:
-            continue  # an older bake, of harmonics alone
-        left = visibility.exact(sky, normals, bits) - rotate(transfer, turn) @ fit.coefficients
-        colour = np.concatenate([left, np.full((points, 1), key)], axis=1)
-        storage.write_attribute(bake, names.EXACT, colour)
-        behind = storage.read_bits(bake, points, storage.BEHIND)
-        if behind.size:
-            back = storage.read_attribute(bake, names.BACK, points)
-            back[:, :3] = backed * (1.0 + visibility.passing(sky, -normals, behind))
-            storage.write_attribute(bake, names.BACK, back)
-        bake.data.update()
-        bake.update_tag()
-    names.set_exact(tree, key, (float(np.cos(turn)), float(np.sin(turn))))
-    return objects
+    there = [obj for obj in baked() if storage.is_lit(obj) and not _hindrance(obj)]
+    lines = []
+    if old := [obj for obj in baked() if not storage.is_lit(obj)]:
+        lines.append(f"{len(old)} bake(s) by an earlier version hold no light: bake again")
+    return lines + session.relight(there, light) if there else lines
 
 
 def _scene():
-    around = casting.occluders(bpy.context.evaluated_depsgraph_get())
+    around = geometry.gather(bpy.context.evaluated_depsgraph_get())
     return around, surroundings.signatures(around)
 
 
 def _stale(obj, around, found):
     kept = storage.bake_of(obj)
-    return kept is None or surroundings.changed(kept, obj.name_full, found, around.size)
+    return not storage.is_lit(obj) or surroundings.changed(kept, obj.name_full, found, around.size)
 
 
 def _hindrance(obj):

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .raycast import triangles_of
+from .geometry import triangles_of
 
 _POINTS, _RAYS = 64, 64
 """Places that are looked from, and rays from each: a hundredth of the sky, in some tenths of a

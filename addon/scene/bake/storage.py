@@ -6,19 +6,16 @@ one each. See `node_groups.sky_bake` for how it is laid out.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ....node_groups import modifiers, sky_bake
-
-BITS = "skylight_shares"  # with a number: of 16 rays of a point, how much reaches the sky
-BEHIND = "skylight_behind"  # … the same as seen from behind
-NORMAL = "skylight_normal"  # a point's normal in the world; 1 where its back was baked
-STEP = 1e-5  # of the object's size: corners nearer than this, and with one normal, are one point
+from ....node_groups import baked_light, modifiers, sky_bake
+from ... import tags
+from .geometry import STEP
 
 
 def modifier_of(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
@@ -32,9 +29,10 @@ def bake_of(obj: bpy.types.Object) -> bpy.types.Object | None:
     return None if modifier is None else modifiers.get_input(modifier, "Bake")
 
 
-def points_of(obj: bpy.types.Object) -> int:
-    """How many points the bake of an object has."""
-    return modifiers.get_input(modifier_of(obj), "Faces")
+def is_lit(obj: bpy.types.Object) -> bool:
+    """Whether an object has a bake that holds light; one by an earlier version holds none."""
+    bake = bake_of(obj)
+    return bake is not None and baked_light.LIGHT in bake.data.attributes
 
 
 def ensure(obj: bpy.types.Object) -> bpy.types.Object:
@@ -76,15 +74,13 @@ def remove(obj: bpy.types.Object) -> None:
 class Fine:
     """An evaluated, subdivided mesh as a bake sees it: its corners brought to points.
 
-    A point is a place with a normal: corners of one face after another that share both share it.
+    A point is a place with a normal and a material: corners that share all three share it.
     """
 
     places: NDArray[np.float64]
     """(p, 3), in the object's space."""
     normals: NDArray[np.float64]
     """(p, 3), unit."""
-    keys: NDArray[np.uint64]
-    """(p,), ascending: a number for each, the same in each subdivision of one mesh."""
     point: NDArray[np.int64]
     """(c,), each corner's point."""
     starts: NDArray[np.int64]
@@ -103,14 +99,49 @@ class Fine:
         """(c,), each corner's face."""
         return np.repeat(np.arange(len(self.coarse)), np.diff(self.starts))
 
+    @property
+    def following(self) -> NDArray[np.int64]:
+        """(c,), of each corner the next one around its face."""
+        after = np.arange(1, len(self.point) + 1)
+        after[self.starts[1:] - 1] = self.starts[:-1]
+        return after
+
     def mean(self, of_corners: NDArray) -> NDArray:
         """The mean (f, …) over each face of what its corners (c, …) have."""
         total = np.add.reduceat(of_corners, self.starts[:-1], axis=0)
         return total / np.diff(self.starts).reshape(-1, *[1] * (of_corners.ndim - 1))
 
 
-def read(mesh: bpy.types.Mesh) -> Fine:
-    """The faces of an evaluated mesh that came through the modifier."""
+def evaluated(objects: Sequence[bpy.types.Object]) -> list[Fine | None]:
+    """The faces of objects after their modifiers, ours the last; None for those without a face."""
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    made = {}
+    if any(obj.type != "MESH" for obj in objects):
+        # A curve or text shows its mesh as an instance of itself.
+        for instance in depsgraph.object_instances:
+            if instance.object.type == "MESH" and instance.object.original.type != "MESH":
+                made.setdefault(instance.object.original.name_full, instance.object.data)
+    found: list[Fine | None] = []
+    for obj in objects:
+        shown = obj.evaluated_get(depsgraph)
+        mesh = shown.data if obj.type == "MESH" else made.get(obj.name_full)
+        if mesh is None or not mesh.polygons:
+            found.append(None)
+            continue
+        # Of the evaluated mesh, for instances that became real bring their materials along.
+        slots = [slot.material for slot in shown.material_slots] if obj.type == "MESH" else []
+        materials = slots or list(mesh.materials) or [None]
+        fine = read(mesh, len(materials))
+        fine.materials = [each.name_full if each else "" for each in materials]
+        managed = [each is not None and tags.MATERIAL in each for each in materials]
+        fine.managed = np.array(managed)[fine.slots]
+        found.append(fine)
+    return found
+
+
+def read(mesh: bpy.types.Mesh, materials: int = 1) -> Fine:
+    """The faces of an evaluated mesh with so many materials that came through the modifier."""
     corners, faces = len(mesh.loops), len(mesh.polygons)
     vertex, starts = np.empty(corners, np.int32), np.empty(faces, np.int32)
     slots, coarse = np.empty(faces, np.int32), np.arange(faces, dtype=np.int32)
@@ -126,14 +157,15 @@ def read(mesh: bpy.types.Mesh) -> Fine:
     at, normal = places.reshape(-1, 3)[vertex].astype(float), normals.reshape(-1, 3).astype(float)
     at, normal = np.nan_to_num(at), np.nan_to_num(normal)  # faces without area may have no normal
     step = STEP * (float(np.ptp(at, axis=0).max()) if corners else 0.0) or 1.0
-    rounded = np.concatenate([np.round(at / step), np.round(normal * 500.0)], axis=1)
-    keys, first, point = np.unique(_keys(rounded), return_index=True, return_inverse=True)
+    slots = np.minimum(slots, materials - 1)
+    own = np.repeat(slots, np.diff(np.append(starts, corners)))[:, None]
+    rounded = np.concatenate([np.round(at / step), np.round(normal * 500.0), own], axis=1)
+    _, first, point = np.unique(_keys(rounded), return_index=True, return_inverse=True)
     unit = normal[first]
     length = np.linalg.norm(unit, axis=1, keepdims=True)
     return Fine(
         at[first],
         np.divide(unit, length, out=np.zeros_like(unit), where=length > 0.5),
-        keys,
         point.reshape(-1),
         np.append(starts, corners).astype(np.int64),
         coarse.astype(np.int64),
@@ -166,11 +198,12 @@ def write(
     fine: Fine,
     levels: NDArray,
     split: NDArray,
-    attributes: Mapping[str, NDArray],
-    bits: Mapping[str, NDArray[np.uint8]],
-    normals: NDArray,
+    backs: bool,
 ) -> None:
-    """Keep a bake: attributes (p, 4), shares of rays (p, rays / 4) and normals (p, 4) of points."""
+    """Lay a bake out for the points of an object; ``backs``: whether any has light behind it.
+
+    It is lit by `write_attribute`.
+    """
     mesh, points = bake.data, len(fine.places)
     mesh.clear_geometry()
     mesh.vertices.add(points + len(levels))
@@ -187,19 +220,8 @@ def write(
     _store(mesh, sky_bake.LEVEL, "INT", padded)
     padded[points:] = split
     _store(mesh, sky_bake.SPLIT, "BOOLEAN", padded.astype(bool))
-    padded[points:] = 0
-    for name, each in bits.items():
-        for number, column in enumerate(np.ascontiguousarray(each).view(np.int32).T):
-            padded[:points] = column
-            _store(mesh, f"{name}_{number}", "INT", padded)
-    for name, values in attributes.items():
-        write_attribute(bake, name, values)
-    write_attribute(bake, NORMAL, normals)
-    modifier = modifier_of(obj)
     near = sky_bake.NEAR * float(np.ptp(fine.places, axis=0).max())
-    modifiers.set_inputs(modifier, Faces=points, Near=near, Back=BEHIND in bits)
-    bake.update_tag()
-    obj.update_tag()
+    modifiers.set_inputs(modifier_of(obj), Faces=points, Near=near, Back=backs)
 
 
 def write_attribute(bake: bpy.types.Object, name: str, values: NDArray) -> None:
@@ -208,30 +230,6 @@ def write_attribute(bake: bpy.types.Object, name: str, values: NDArray) -> None:
     padded = np.zeros((len(mesh.vertices), 4), np.float32)
     padded[: len(values)] = values
     _store(mesh, name, "FLOAT_COLOR", padded.ravel())
-
-
-def read_attribute(bake: bpy.types.Object, name: str, points: int) -> NDArray[np.float32]:
-    """The colour (points, 4) of each point of a bake, 0 where it has none."""
-    found = bake.data.attributes.get(name)
-    values = np.zeros(4 * len(bake.data.vertices), np.float32)
-    if found is not None:
-        found.data.foreach_get("color", values)
-    return values.reshape(-1, 4)[:points]
-
-
-def read_bits(bake: bpy.types.Object, points: int, name: str = BITS) -> NDArray[np.uint8]:
-    """How far the rays of each point reach the sky (`visibility.Views`), (points, rays / 4).
-
-    Empty of a bake that knew it otherwise, as older ones do.
-    """
-    columns: list[NDArray] = []
-    while (found := bake.data.attributes.get(f"{name}_{len(columns)}")) is not None:
-        values = np.empty(len(bake.data.vertices), np.int32)
-        found.data.foreach_get("value", values)
-        columns.append(values[:points])
-    if not columns:
-        return np.empty((points, 0), np.uint8)
-    return np.ascontiguousarray(np.stack(columns, axis=1)).view(np.uint8)
 
 
 def _store(mesh: bpy.types.Mesh, name: str, kind: str, values: NDArray) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import tags
-from . import raycast as casting
+from .geometry import Geometry
 
 FAR = 0.02
 """What is smaller, as seen from an object, than this (radius by distance) does not count: it hides
@@ -19,7 +19,7 @@ STILL = 2e-6
 """Of the scene's size: places are float32, so what moves by less has not moved."""
 
 
-def signatures(around: casting.Occluders) -> dict[str, NDArray[np.float64]]:
+def signatures(around: Geometry) -> dict[str, NDArray[np.float64]]:
     """Return what each owner shows, (14,), by name.
 
     Area, its first (3) and second (6) moments by area, middle (3) and radius of its box, all in
@@ -27,8 +27,9 @@ def signatures(around: casting.Occluders) -> dict[str, NDArray[np.float64]]:
     """
     if not len(around.corners):
         return {}
-    corners = around.corners.astype(float) + around.origin
-    areas = np.linalg.norm(around.normals.astype(float), axis=1) / 2.0
+    corners = around.corners + around.origin
+    sides = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    areas = np.linalg.norm(np.cross(*sides), axis=1) / 2.0
     middle = corners.mean(axis=1)
     # A product's mean over a triangle: a twelfth of its sum over the corners and 9 middles.
     i, j = np.triu_indices(3)

@@ -8,12 +8,11 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ....node_groups import light_probe, skylight_surface
+from ....node_groups import light_probe
 from ....node_groups.skylight_surface import Features
 from ...choices import BAKED, DOME, OPEN
 from ...sky.direct_sun import SunLight, restored_sun
 from ...sky.dome import Dome, dome
-from ...sky.harmonics import fit_sky
 from ...sky.irradiance import fit_coefficients
 from ...sky.light import SkyLight
 from ...sky.polynomial import HIGHEST_DEGREE, evaluate_polynomial, raised
@@ -21,8 +20,6 @@ from ...spectra.working_spaces import XYZ_to_working
 from ...transfer.ground import GroundLight, ground_light, is_grey, split
 from ...transfer.matrices import Transfer
 from ...transfer.prefilter import balanced_rgb, prefiltered
-from ..bake import scene_bake
-from ..world import hdri as worlds
 from ..world import light_group, view_transform
 from . import dome_lamps, light_linking, sun_lamp
 from . import user_lamps as own_lamps
@@ -34,8 +31,7 @@ class Lights:
     """What shines on a World's materials, found before anything changes.
 
     ``coefficients``: of the sky's irradiance without the ground's; ``spectra``: those of the lights
-    in `skylight_surface.LIGHTS` that there are, (81,) each; ``neighbours``: of receiving materials,
-    by name, the reflectances (2, 81) of what sends them light, None without bounces.
+    in `skylight_surface.LIGHTS` that there are, (81,) each.
     """
 
     light: SkyLight
@@ -47,7 +43,6 @@ class Lights:
     lamps: Lamps | None = None
     dome: Dome | None = None
     spectra: dict[str, NDArray[np.float64]] = field(default_factory=dict)
-    neighbours: dict[str, NDArray[np.float64]] | None = None
 
     @property
     def features(self) -> Features:
@@ -56,7 +51,6 @@ class Lights:
             self.occlusion,  # type: ignore[arg-type]
             probe=self.sun is not None or self.lamps is not None or self.dome is not None,
             ground=self.ground is not None,
-            bounce=self.neighbours is not None,
         )
 
     @property
@@ -83,7 +77,7 @@ class Lights:
         """What a picture must say as long as not all light is in it."""
         shadows = {
             OPEN: "open sky: no shadows yet",
-            BAKED: "the sky's shadows are baked" + ", one bounce too" * self.features.bounce,
+            BAKED: "all light is baked",
             DOME: "the sky's shadows are live",
         }[self.occlusion]
         if self.light.sun is None:
@@ -110,23 +104,6 @@ class Lights:
         to_Y = np.linalg.inv(XYZ_to_working(self.transfer.space))[1]
         return float(to_Y @ self.transfer.to_working @ self.light.faces[0])
 
-    def bounced(self, name: str, rho: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
-        """Return what a material (81,) makes of light by way of its neighbours.
-
-        Their matrix is that of both reflectances' product, not the product of two matrices.
-        """
-        if self.neighbours is None:
-            return {}
-        inputs = {}
-        by = self.neighbours.get(name, np.zeros((2, 81)))
-        for way, product in zip(skylight_surface.BOUNCES, rho * by, strict=True):
-            for row, values in zip("RGB", self.transfer.matrices(product), strict=True):
-                inputs[f"{way} {row}"] = values
-            sun = self.spectra.get("Sun")
-            if sun is not None:
-                inputs[f"{way} Sun"] = prefiltered(product, sun, self.transfer.space)
-        return inputs
-
     def reflected(self, rho: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
         """Return what reflectances (m, 81) make of each light, (m, 3).
 
@@ -144,6 +121,18 @@ class Lights:
             found["Sun"] = prefiltered(rho, self.spectra["Lamp 1"], self.transfer.space)
         return found
 
+    def tint(self, colours: NDArray[np.float64], rho: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return by what a reflectance's (81,) light is multiplied to be another colour's, (m, 3).
+
+        ``colours`` (m, 3): what those are under the open sky, as `under_sky` gives them.
+        """
+        own = self.under_sky(self.transfer.matrices(rho))
+        return colours / np.where(np.abs(own) < 1e-6, 1.0, own)
+
+    def under_sky(self, matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the colours (..., 3) of matrices (..., 3, 3) on level ground under the sky."""
+        return matrices @ self.light.faces[0]
+
 
 def find(
     light: SkyLight,
@@ -153,13 +142,12 @@ def find(
     with_sun: bool = True,
     ground: str | NDArray[np.float64] = "hdri",
     occlusion: str = OPEN,
-    neighbours: dict[str, NDArray[np.float64]] | None = None,
 ) -> Lights:
     """Return the lights of a sky beside a scene's ``lamps``, computed and checked.
 
     ``ground``: one of `transfer.ground.CHOICES`, or the reflectance (81,) of a modelled one, which
-    is grey's else; ``occlusion``: `OPEN`, `BAKED` or `DOME`; ``neighbours`` as `Lights` has them.
-    Raises InputError for an unknown ground.
+    is grey's else; ``occlusion``: `OPEN`, `BAKED` or `DOME`. Raises InputError for an unknown
+    ground.
     """
     spectra = {}
     sun = None
@@ -187,7 +175,6 @@ def find(
         lamps,
         dome(light.sky) if occlusion == DOME else None,
         spectra,
-        neighbours if occlusion == BAKED else None,
     )
 
 
@@ -223,8 +210,6 @@ def install(world: bpy.types.World, lights: Lights) -> None:
             (light_probe.GREEN, light_probe.BLUE), lights.dome.colours, strict=True
         ):
             light_group.set_probe(world, name, colour)
-    if lights.occlusion == BAKED:
-        light_bakes(world, lights.light)
     for scene in scenes_of(world):
         if lights.sun is not None:
             assert lights.light.sun is not None
@@ -239,14 +224,6 @@ def install(world: bpy.types.World, lights: Lights) -> None:
             dome_lamps.place(scene, lights.dome)
         else:
             sun_lamp.remove(scene, (dome_lamps.DOME,))
-
-
-def light_bakes(world: bpy.types.World, light: SkyLight) -> None:
-    """Light what is baked by a World's sky as it is turned now."""
-    sky = worlds.sky_of(world)
-    turn = -sky.rotation[2] if sky.inverse else sky.rotation[2]
-    group = skylight_surface.part(light_group.ensure(world), skylight_surface.VISIBILITY)
-    scene_bake.light(group, light.sky, fit_sky(light.sky), turn)
 
 
 def refresh(world: bpy.types.World) -> list[str]:

@@ -66,7 +66,7 @@ def find(scene: bpy.types.Scene, transfer: Transfer, rho: NDArray[np.float64]) -
     for obj, colour in zip(shown, colours, strict=True):
         given = obj.data.get(tags.LAMP_SPECTRUM)
         spectra.append(lamp_spectrum(given or colour * transfer.neutral, transfer.space))
-    strengths = np.array([obj.data.energy for obj in shown]) * _luminance(colours, transfer)
+    strengths = np.array([obj.data.energy for obj in shown]) * luminance(colours, transfer)
     names = tuple(obj.name for obj in shown)
     reference = rho if len(rho) else np.full((1, 81), 0.5)
     return Lamps(names, colours, classes(np.array(spectra), strengths, reference, names=names))
@@ -75,7 +75,7 @@ def find(scene: bpy.types.Scene, transfer: Transfer, rho: NDArray[np.float64]) -
 def place(scene: bpy.types.Scene, lamps: Lamps, transfer: Transfer) -> None:
     """Give each lamp its twin, up to date; twins of lamps that are gone leave."""
     sun_lamp.remove(scene, (TWIN,))
-    brightness = _luminance(lamps.colours, transfer)
+    brightness = luminance(lamps.colours, transfer)
     kinds = lamps.classes.assignment.tolist()
     for name, kind, Y in zip(lamps.names, kinds, brightness, strict=True):
         lamp = scene.objects[name]
@@ -99,5 +99,6 @@ def _colour(light: bpy.types.Light) -> NDArray[np.float64]:
     return np.maximum(colour, 1e-6) * 2.0 ** getattr(light, "exposure", 0.0)
 
 
-def _luminance(colours: NDArray[np.float64], transfer: Transfer) -> NDArray[np.float64]:
+def luminance(colours: NDArray[np.float64], transfer: Transfer) -> NDArray[np.float64]:
+    """Return the luminance (k,) of colours (k, 3) in the working space."""
     return colours @ np.linalg.inv(rec709_to_working(transfer.space)).T @ LUMINANCE

@@ -10,7 +10,7 @@ import numpy as np
 from bpy.types import NodeSocket as Socket
 from numpy.typing import NDArray
 
-from ....node_groups import spectral_matrix
+from ....node_groups import skylight_surface, spectral_matrix
 from ...spectra.working_spaces import from_srgb, rec709_to_working
 from ...transfer.assignment import Assignment, estimate
 from ...transfer.textures import basis, carried
@@ -63,11 +63,17 @@ def varied(material: bpy.types.Material, given: Assignment) -> NDArray[np.float6
     return None if mean is None else carried(given.values, mean, space)
 
 
-def values(lights: Lights, reflectances: NDArray[np.float64]) -> Mapping[str, Any]:
-    """Return what `spectral_texture.set_values` wants of three reflectances (3, 81)."""
+def values(
+    lights: Lights, reflectances: NDArray[np.float64], mean: NDArray[np.float64]
+) -> Mapping[str, Any]:
+    """Return what `spectral_texture.set_values` wants of three reflectances (3, 81).
+
+    ``mean`` (81,): the material's own, by which baked light goes.
+    """
     matrices = lights.transfer.matrices(reflectances)
     rows = {row: matrices[:, k] for k, row in enumerate(spectral_matrix.ROWS)}
-    return {**rows, **lights.reflected(reflectances)}
+    tint = lights.tint(lights.under_sky(matrices), mean)
+    return {**rows, **lights.reflected(reflectances), skylight_surface.TINT: tint}
 
 
 def mean_colour(colour: Socket | None) -> NDArray[np.float64] | None:

@@ -24,29 +24,25 @@ Values = Mapping[tuple[str, str], Any]
 """By a node's role and an input's name, the value (3 or 4)."""
 
 
-def surface(found: Lights, name: str, rho: NDArray[np.float64]) -> Values:
-    """What RGB times RGB gives to the inputs of a surface of a reflectance (81,).
-
-    ``name``: of the material, by which it has neighbours.
-    """
+def surface(found: Lights, rho: NDArray[np.float64]) -> Values:
+    """What RGB times RGB gives to the inputs of a surface of a reflectance (81,)."""
     rgb = rgb_albedo(rho, found.transfer.space)
     inputs: dict[str, Any] = {**_rows(rgb, found), **_lit(rgb, found)}
-    if found.neighbours is not None:
-        by = found.neighbours.get(name, np.zeros((2, 81)))
-        for way, other in zip(skylight_surface.BOUNCES, by, strict=True):
-            both = rgb * rgb_albedo(other, found.transfer.space)
-            rows = np.diag(both) @ found.transfer.to_working
-            inputs |= {f"{way} {row}": rows[k] for k, row in enumerate("RGB")}
-            inputs[f"{way} Sun"] = both
+    inputs[skylight_surface.TINT] = _tints(rgb[None], found, rho)[0]
     return {("surface", key): value for key, value in inputs.items()}
 
 
-def texture(found: Lights, reflectances: NDArray[np.float64]) -> Values:
-    """What RGB times RGB gives to the inputs of a texture's three reflectances (3, 81)."""
+def texture(found: Lights, reflectances: NDArray[np.float64], rho: NDArray[np.float64]) -> Values:
+    """What RGB times RGB gives to the inputs of a texture's three reflectances (3, 81).
+
+    ``rho`` (81,): the material's own.
+    """
     values = {}
-    for channel, rho in zip(("Red", "Green", "Blue"), reflectances, strict=True):
-        rgb = rgb_albedo(rho, found.transfer.space)
-        for key, value in {**_rows(rgb, found), **_lit(rgb, found)}.items():
+    colours = rgb_albedo(reflectances, found.transfer.space)
+    tints = _tints(colours, found, rho)
+    for channel, rgb, tint in zip(("Red", "Green", "Blue"), colours, tints, strict=True):
+        given = {**_rows(rgb, found), **_lit(rgb, found), skylight_surface.TINT: tint}
+        for key, value in given.items():
             values["texture", f"{channel} {key}"] = value
     return values
 
@@ -121,3 +117,10 @@ def _rows(rgb: NDArray[np.float64], found: Lights) -> dict[str, Sequence[float]]
 def _lit(rgb: NDArray[np.float64], found: Lights) -> dict[str, Sequence[float]]:
     """Of each light what a white surface reflects of it, times the colour."""
     return {name: rgb * white for name, white in found.reflected(np.ones(81)).items()}
+
+
+def _tints(
+    rgb: NDArray[np.float64], found: Lights, rho: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """By what baked light is multiplied to be as under the open sky by RGB (m, 3), (m, 3)."""
+    return found.tint(rgb * found.under_sky(found.transfer.to_working), rho)

@@ -155,8 +155,15 @@ def set_texture(
     the texture's colours to linear Rec.709.
     """
     node = shader_rewrite.texture_node(material)
-    if node is not None:
-        spectral_texture.set_values(node, values, to_rec709)
+    if node is None:
+        return
+    spectral_texture.set_values(node, values, to_rec709)
+    surface = surface_node(material)
+    if surface is None:
+        return
+    for name in spectral_texture.OUTPUTS:
+        if not surface.inputs[name].is_linked:  # in a file of an earlier version
+            material.node_tree.links.new(node.outputs[name], surface.inputs[name])
 
 
 def remove(material: bpy.types.Material, stays: bpy.types.NodeTree | None = None) -> None:

@@ -1,0 +1,242 @@
+"""What stands in a scene: its triangles in the world, whose they are, and what they are made of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...transport.cells import Surfaces
+from ...transport.rays import Caster
+
+STEP = 1e-5
+"""Of an object's size: corners nearer than this to one another are one."""
+
+
+@dataclass
+class Geometry:
+    """Triangles of a scene, in the world."""
+
+    corners: NDArray[np.float64]
+    """(n, 3, 3), relative to `origin`, for float32 is fine near 0 only; counter-clockwise as seen
+    from their fronts, also where an object is mirrored."""
+    origin: NDArray[np.float64]
+    """(3,), the middle of the scene."""
+    owner: NDArray[np.int32]
+    """(n,), which of `owners` each belongs to."""
+    owners: list[str]
+    """Names of objects; for instances, of what instances them."""
+    instance: NDArray[np.int32]
+    """(n,), a number for each mesh in each place."""
+    material: NDArray[np.int32]
+    """(n,), which of `materials` each has."""
+    materials: list[str]
+    """Full names; empty for none."""
+    polygon: NDArray[np.int32]
+    """(n,), which face of its mesh each is a part of."""
+    solid: NDArray[np.bool_]
+    """(n,), whether its back is inside something closed."""
+
+    @property
+    def size(self) -> float:
+        """The longest edge of the box around all of it, 0 without triangles."""
+        return float(np.ptp(self.corners.reshape(-1, 3), axis=0).max()) if len(self.corners) else 0
+
+    @property
+    def surfaces(self) -> Surfaces:
+        """The triangles as light knows them; their kinds are numbers of `materials`."""
+        return Surfaces(self.corners, self.material, self.solid, self.instance)
+
+
+@dataclass
+class _Shape:
+    """The triangles of one mesh in its own space."""
+
+    triangles: NDArray[np.float64]
+    slots: NDArray
+    names: list[str]
+    polygons: NDArray
+    solid: NDArray[np.bool_]
+    shells: list[_Shell]
+
+
+@dataclass
+class _Shell:
+    """An open part of a mesh: its triangles (n,), the ``middle`` of its rim, the way ``out`` of it
+    there (3,), and how far it reaches the other way."""
+
+    triangles: NDArray[np.bool_]
+    middle: NDArray[np.float64]
+    out: NDArray[np.float64]
+    depth: float
+
+
+def gather(depsgraph: bpy.types.Depsgraph) -> Geometry:
+    """Gather all that light meets in the evaluated scene, instances and curves included.
+
+    Left out: what is hidden in renders or in the viewport, and what casts no shadow (ray
+    visibility). A holdout and a shadow catcher are there as they are in Cycles.
+    """
+    owners: dict[str, int] = {}
+    materials: dict[str, int] = {"": 0}
+    cache: dict[Any, _Shape] = {}
+    columns: list[list[NDArray]] = [[] for _ in range(6)]
+    shells: list[tuple[NDArray, _Shell, NDArray]] = []
+    total = 0
+    for number, instance in enumerate(depsgraph.object_instances):
+        shown = instance.object
+        by = instance.parent if instance.is_instance else shown
+        # Curves, texts and metaballs show their meshes as instances of themselves.
+        if not instance.show_self or shown.type != "MESH" or not shown.visible_shadow:
+            continue
+        if shown.hide_render or by.hide_render:
+            continue
+        key = shown.original.name_full, shown.data.as_pointer() if shown.data else 0
+        if key not in cache:
+            triangles, slots, names, polygons = _read(shown)
+            cache[key] = _Shape(triangles, slots, names, polygons, *_solid(triangles))
+        shape = cache[key]
+        if not len(shape.triangles):
+            continue
+        to_world = np.array(instance.matrix_world)
+        placed = shape.triangles @ to_world[:3, :3].T + to_world[:3, 3]
+        mirrored = np.linalg.det(to_world[:3, :3]) < 0.0
+        count = len(placed)
+        for shell in shape.shells if not mirrored else ():
+            shells.append((total + np.flatnonzero(shell.triangles), shell, to_world))
+        total += count
+        owner = owners.setdefault(by.original.name_full, len(owners))
+        place = np.array([materials.setdefault(name, len(materials)) for name in shape.names])
+        for column, values in zip(
+            columns,
+            (
+                placed[:, ::-1] if mirrored else placed,
+                np.full(count, owner, np.int32),
+                np.full(count, number, np.int32),
+                place.astype(np.int32)[shape.slots],
+                shape.polygons,
+                shape.solid,
+            ),
+            strict=True,
+        ):
+            column.append(values)
+    if not columns[0]:
+        empty = np.empty(0, np.int32)
+        none, no = np.empty((0, 3, 3)), np.empty(0, bool)
+        return Geometry(none, np.zeros(3), empty, [], empty, empty, [""], empty, no)
+    places, owner, instances, material, polygon, solid = map(np.concatenate, columns)
+    flat = places.reshape(-1, 3)
+    origin = (flat.min(axis=0) + flat.max(axis=0)) / 2
+    _close(solid, shells, places - origin, origin)
+    return Geometry(
+        places - origin, origin, owner, list(owners), instances, material, list(materials),
+        polygon, solid,
+    )  # fmt: skip
+
+
+def _close(solid, shells, corners, origin) -> None:
+    """Count shells (their triangles, themselves, matrices) whose rim stands on something as solid:
+    nothing looks into them."""
+    if not shells:
+        return
+    starts, ways, depths = [], [], []
+    for _, shell, to_world in shells:
+        out = to_world[:3, :3] @ shell.out
+        depth = shell.depth * np.linalg.norm(out)
+        ways.append(out / np.linalg.norm(out))
+        middle = to_world[:3, :3] @ shell.middle + to_world[:3, 3] - origin
+        starts.append(middle - 0.5 * depth * ways[-1])
+        depths.append(depth)
+    starts, ways = np.array(starts, np.float32), np.array(ways, np.float32)
+    met = Caster(corners).first_hits(starts, ways)
+    for k, (triangles, _, _) in enumerate(shells):
+        if met[k] < 0:
+            continue
+        a, b, c = corners[met[k]]
+        normal = np.cross(b - a, c - a)
+        far = ((a - starts[k]) @ normal) / ((ways[k] @ normal) or 1.0)
+        solid[triangles] |= far < 0.55 * depths[k]
+
+
+def triangles_of(shown: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray, list[str]]:
+    """Triangles (n, 3, 3) of an evaluated mesh, the slot of each (n,), and the slots' materials.
+
+    In its own space; none of a mesh without faces. A slot's material is named in full, an empty one
+    is ""; without slots there is one such.
+    """
+    return _read(shown)[:3]
+
+
+def _read(shown: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray, list[str], NDArray]:
+    # A last Subdivision modifier may be left to the GPU, and `data` then is what went into it.
+    smooth = any(modifier.type == "SUBSURF" for modifier in shown.modifiers)
+    mesh = shown.to_mesh() if smooth else shown.data
+    names = [slot.material.name_full if slot.material else "" for slot in shown.material_slots]
+    names = names or [""]
+    if mesh is None or not mesh.polygons:
+        return np.empty((0, 3, 3)), np.empty(0, int), names, np.empty(0, np.int32)
+    mesh.calc_loop_triangles()
+    count = len(mesh.loop_triangles)
+    corners, slots, polygons = (np.empty(size, np.int32) for size in (3 * count, count, count))
+    places = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.loop_triangles.foreach_get("vertices", corners)
+    mesh.loop_triangles.foreach_get("material_index", slots)
+    mesh.loop_triangles.foreach_get("polygon_index", polygons)
+    mesh.vertices.foreach_get("co", places)
+    triangles = places.reshape(-1, 3)[corners.reshape(-1, 3)].astype(float)
+    if smooth:
+        shown.to_mesh_clear()
+    return triangles, np.minimum(slots, len(names) - 1), names, polygons
+
+
+def _solid(triangles: NDArray[np.float64]) -> tuple[NDArray[np.bool_], list[_Shell]]:
+    """Which triangles (n,) are of a closed part whose fronts look outwards, and open shells.
+
+    A part is what hangs together by corners; it is closed where each of its edges is two faces'.
+    A shell lacks one flat face to be closed, as a house that is modelled without its floor.
+    """
+    if not len(triangles):
+        return np.empty(0, bool), []
+    size = float(np.ptp(triangles.reshape(-1, 3), axis=0).max()) or 1.0
+    where = np.round(triangles.reshape(-1, 3) / (STEP * size)).astype(np.int64)
+    odd = np.random.default_rng(7).integers(2**62, 2**63, 3).astype(np.uint64) | 1
+    keys = (where.astype(np.uint64) * odd).sum(axis=1, dtype=np.uint64)
+    corner = np.unique(keys, return_inverse=True)[1].reshape(-1, 3)
+    part = _parts(corner)
+    count = int(part.max()) + 1
+    edges = np.sort(np.stack([corner, np.roll(corner, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
+    wide = edges[:, 0] * (int(corner.max()) + 1) + edges[:, 1]
+    _, index, times = np.unique(wide, return_inverse=True, return_counts=True)
+    single = (times[index.reshape(-1)] % 2 == 1) & (edges[:, 0] != edges[:, 1])
+    of_edge, start = np.repeat(part, 3), triangles.reshape(-1, 3)
+    border = np.bincount(of_edge, single, count)
+    middle = [np.bincount(of_edge, single * column, count) for column in start.T]
+    middle = np.stack(middle, axis=1) / np.maximum(border, 1.0)[:, None]
+    volume = np.bincount(part, np.linalg.det(triangles - middle[part][:, None]), count) / 6.0
+    shells = []
+    for each in np.flatnonzero((border > 2) & (volume > 1e-9 * size**3)):
+        rim = start[single & (of_edge == each)] - middle[each]
+        _, spread, axes = np.linalg.svd(rim, full_matrices=False)
+        if spread[2] < 1e-3 * spread[0]:
+            own = triangles[part == each].reshape(-1, 3) - middle[each]
+            along = own @ axes[2]
+            out = -axes[2] if along.mean() > 0.0 else axes[2]
+            if (own @ out).max() < 1e-3 * size:
+                shells.append(_Shell(part == each, middle[each], out, float(np.abs(along).max())))
+    return ((border == 0) & (volume > 0.0))[part], shells
+
+
+def _parts(corner: NDArray) -> NDArray[np.int64]:
+    """The number of the part that each triangle (n, 3) of corners belongs to, (n,)."""
+    label = np.arange(int(corner.max()) + 1)
+    while True:
+        least = label[corner].min(axis=1)
+        new = label.copy()
+        np.minimum.at(new, corner.reshape(-1), np.repeat(least, 3))
+        new = new[new]  # by leaps, for long parts
+        if np.array_equal(new, label):
+            return np.unique(least, return_inverse=True)[1].reshape(-1)
+        label = new

@@ -1,0 +1,184 @@
+"""How finely each face of an object is divided, and each patch between which light goes round."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ....node_groups import sky_bake
+from ...transport.cells import FINEST, Surfaces
+from ...transport.radiosity import Radiosity
+from . import storage
+from .geometry import Geometry
+from .receivers import Points, Target
+from .storage import Fine
+
+MOST = 10_000_000
+"""Vertices beyond which an object is not baked."""
+
+POINTS = 400_000
+"""In all objects together, beyond which none is divided further."""
+
+START, SMALL = 1.0 / 48.0, 1.0 / 300.0
+"""Patches' and cells' length, of the scene's size: at first at most so long, for what is smaller
+may fall between them unseen; and triangles that are so short go together."""
+
+LONGEST, LEAST = 1.0 / 24.0, 1.0 / 1000.0
+"""No cell is longer than the first, and none is divided to less than this, of the scene's size."""
+
+DARK = 0.05
+"""Of the brightest light, under which errors are relative to that."""
+
+POWER = 0.75
+"""Halving a cell divides what its middle is off by 2 where light has an edge, by 4 where it bends:
+so many halvings for each factor of 2."""
+
+
+@dataclass
+class Plan:
+    """An object on its way: its faces before they are divided, how often they will be."""
+
+    obj: bpy.types.Object
+    bake: bpy.types.Object
+    coarse: Fine
+    levels: NDArray[np.int64]
+    split: NDArray[np.bool_]
+    lengths: NDArray[np.float64]
+    """(f,) [scene units], the longest edge of each face."""
+
+
+def begin(
+    objects: Sequence[tuple[bpy.types.Object, bpy.types.Object]],
+) -> tuple[list[str], list[Plan]]:
+    """Return lines on what cannot be baked, and plans for the rest; that has no divisions yet."""
+    lines, plans = [], []
+    found = storage.evaluated([obj for obj, _ in objects])
+    for (obj, bake), fine in zip(objects, found, strict=True):
+        problem = ""
+        if fine is None or not fine.managed.any():
+            problem = "has no faces of a spectral material"
+        elif len(fine.places) > MOST:
+            problem = f"has over {MOST:,} vertices: bake it in parts"
+        elif abs(np.linalg.det(np.array(obj.matrix_world)[:3, :3])) < 1e-20:
+            problem = "is scaled to nothing"
+        if problem or fine is None:
+            lines.append(f'object "{obj.name}" {problem}: not baked')
+            continue
+        lengths, split = _shapes(obj, fine)
+        plans.append(Plan(obj, bake, fine, np.zeros(len(lengths), int), split, lengths))
+    return lines, plans
+
+
+def bends(radiosity: Radiosity) -> NDArray[np.float64]:
+    """Return by which part light in the middle of each triangle's cells is off what the cells
+    around tell, at worst of its cells, in units of a tolerance (t,)."""
+    cells = radiosity.space.cells
+    light = np.zeros(cells.patches)
+    np.maximum.at(light, radiosity.patch, radiosity.E.mean(axis=1))
+    return cells.curvature(np.log(light + DARK * max(float(light.max(initial=0.0)), 1e-30)))
+
+
+def refine(
+    plans: Sequence[Plan],
+    around: Geometry,
+    bend: NDArray[np.float64],
+    levels: NDArray[np.int64],
+    tolerance: float,
+) -> None:
+    """Say how often faces are divided, by what triangles of these levels have told."""
+    owners = {name: number for number, name in enumerate(around.owners)}
+    wanted = levels + halvings(bend, tolerance)
+    for plan in plans:
+        own = np.flatnonzero(around.owner == owners.get(plan.obj.name_full, -1))
+        by_light = np.zeros(len(plan.levels), int)
+        if len(own) and around.polygon[own].max(initial=0) < len(by_light):
+            np.maximum.at(by_light, around.polygon[own], wanted[own])
+        plan.levels = by_light
+    length = LEAST * around.size
+    while True:
+        total = 0
+        for plan in plans:
+            by_size = np.ceil(np.log2(np.maximum(plan.lengths / (LONGEST * around.size), 1.0)))
+            most = np.floor(np.log2(np.maximum(plan.lengths / length, 1.0)))
+            now = np.minimum(np.maximum(plan.levels, by_size), np.minimum(most, sky_bake.LEVELS))
+            now = np.where(plan.coarse.managed, now, 0).astype(int)
+            total += int((4.0**now).sum())
+        if total <= POINTS or length > around.size:
+            break
+        length *= 1.25
+    for plan in plans:
+        by_size = np.ceil(np.log2(np.maximum(plan.lengths / (LONGEST * around.size), 1.0)))
+        most = np.floor(np.log2(np.maximum(plan.lengths / length, 1.0)))
+        now = np.minimum(np.maximum(plan.levels, by_size), np.minimum(most, sky_bake.LEVELS))
+        plan.levels = np.where(plan.coarse.managed, now, 0).astype(int)
+
+
+def lay_out(plans: Sequence[Plan], around: Geometry) -> list[Target]:
+    """Divide objects as planned, and return them with their points."""
+    for plan in plans:
+        storage.write_levels(plan.bake, plan.levels, plan.split & (plan.levels > 0))
+    owners = {name: number for number, name in enumerate(around.owners)}
+    targets = []
+    found = storage.evaluated([plan.obj for plan in plans])
+    for plan, fine in zip(plans, found, strict=True):
+        assert fine is not None  # it had faces just now
+        own = np.flatnonzero(around.owner == owners.get(plan.obj.name_full, -1))
+        loose = np.zeros(len(plan.levels), bool)
+        polygon = around.polygon[own]
+        inside = polygon < len(loose)
+        loose[polygon[inside]] = ~around.solid[own][inside]
+        backs = np.zeros(len(fine.places), bool)
+        backs[fine.point] = loose[fine.coarse[fine.face]]
+        points = Points(plan.obj, fine, around.origin, around.size)
+        split = plan.split & (plan.levels > 0)
+        storage.write(plan.obj, plan.bake, fine, plan.levels, split, bool(backs.any()))
+        targets.append(Target(plan.obj, plan.bake, fine, points, backs))
+    return targets
+
+
+def finer(
+    surfaces: Surfaces,
+    levels: NDArray[np.int64],
+    bend: NDArray[np.float64],
+    tolerance: float,
+    most: int,
+) -> NDArray[np.int64]:
+    """Return how often triangles are cut for light to go round, at most so many cells in all."""
+    length = LEAST * surfaces.size
+    while True:
+        smallest = np.floor(np.log2(np.maximum(surfaces.lengths / length, 1.0))).astype(int)
+        wanted = np.minimum(levels + np.minimum(halvings(bend, 2.0 * tolerance), 2), smallest)
+        wanted = np.minimum(np.maximum(wanted, 0), FINEST)
+        if (4.0**wanted).sum() <= max(most, len(levels)) or length > surfaces.size:
+            return wanted
+        length *= 1.25
+
+
+def halvings(bend: NDArray[np.float64], tolerance: float) -> NDArray[np.int64]:
+    """Return how often cells must be halved until a bend is within a tolerance."""
+    return np.ceil(POWER * np.log2(np.maximum(bend / tolerance, 1.0))).astype(int)
+
+
+def _shapes(obj, fine):
+    """The longest edge of each face in the world, and which faces to triangulate.
+
+    Halving goes by the mean of a face's corners, which may lie outside a concave face, and bends
+    one that is not plane.
+    """
+    at = (fine.places @ np.array(obj.matrix_world)[:3, :3].T)[fine.point]
+    following = fine.following
+    edge = at[following] - at
+    length = np.maximum.reduceat(np.linalg.norm(edge, axis=1), fine.starts[:-1])
+    vector = np.add.reduceat(np.cross(at, at[following]), fine.starts[:-1])
+    normal = vector / np.maximum(np.linalg.norm(vector, axis=1), 1e-30)[:, None]
+    turn = np.empty(len(edge))
+    turn[following] = (np.cross(edge, edge[following]) * normal[fine.face]).sum(axis=1)
+    off = np.abs(((at - fine.mean(at)[fine.face]) * normal[fine.face]).sum(axis=1))
+    concave = np.minimum.reduceat(turn, fine.starts[:-1]) < -1e-6 * length**2
+    bent = np.maximum.reduceat(off, fine.starts[:-1]) > 1e-4 * length
+    sides = np.diff(fine.starts)
+    return length, (sides > 4) | ((sides == 4) & (concave | bent))

@@ -1,0 +1,93 @@
+"""What lights a bake: what shines, and what materials make of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...spectra.sensitivities import observer
+from ...spectra.working_spaces import DEFAULT_SPACE
+from ...transfer.matrices import Transfer, transfer
+from ...transport import directions
+from ...transport.bands import COUNT
+from ...transport.cells import Matter
+from ...transport.radiosity import Direct
+from ..lights.lighting import Lights
+from . import matter, sources
+
+
+class Light:
+    """An even sky of radiance 1 on white faces that send nothing on: how open a place is."""
+
+    lamps: Sequence[Direct] = ()
+
+    @property
+    def sky(self) -> NDArray[np.float32]:
+        """Radiance of the sphere's cells in bands, (SKY, 16)."""
+        return np.repeat(_upper()[:, None], COUNT, axis=1).astype(np.float32)
+
+    def matter(self, names: Sequence[str]) -> Matter:
+        """What the materials of these full names do."""
+        found, _ = matter.matter(names, _EVEN, self._transfer)
+        found.reflectance[:] = 0.0
+        found.emission[:] = 0.0
+        found.transmittance[:] = 1.0
+        return found
+
+    def colours(self, name: str) -> NDArray[np.float64]:
+        """The colours (SKY, 3) that a material has in the light of each of the sphere's cells."""
+        return np.repeat(_upper()[:, None], 3, axis=1)
+
+    def matrix(self, name: str) -> NDArray[np.float64]:
+        """From light in bands to a material's colour, (3, 16)."""
+        return np.full((3, COUNT), 1.0 / COUNT)
+
+    @property
+    def _transfer(self) -> Transfer:
+        return transfer()
+
+
+class SceneLight(Light):
+    """The light of a World and of the lamps in a scene.
+
+    Raises InputError as `sources.find` does.
+    """
+
+    def __init__(self, world: bpy.types.World, lights: Lights, scene: bpy.types.Scene) -> None:
+        self.sources = sources.find(world, lights, scene)
+        self.strength = sources.strength_of(world)
+        self.lamps = self.sources.lamps
+        self._known: dict[str, matter.Optics] = {}
+
+    @property
+    def sky(self) -> NDArray[np.float32]:
+        """As a `Light`'s."""
+        return self.sources.sky
+
+    def matter(self, names: Sequence[str]) -> Matter:
+        """As a `Light`'s."""
+        found, optics = matter.matter(names, self.sources.bands, self._transfer, self.strength)
+        self._known = dict(zip(names, optics, strict=True))
+        return found
+
+    def colours(self, name: str) -> NDArray[np.float64]:
+        """As a `Light`'s."""
+        return self.sources.colours(self._known[name].reflectance)
+
+    def matrix(self, name: str) -> NDArray[np.float64]:
+        """As a `Light`'s."""
+        return self.sources.matrix(self._known[name].reflectance)
+
+    @property
+    def _transfer(self) -> Transfer:
+        return self.sources.transfer
+
+
+def _upper() -> NDArray[np.float64]:
+    return (np.arange(directions.SKY) < directions.SKY // 2).astype(float)
+
+
+_EVEN = sources.Bands(np.ones(observer(DEFAULT_SPACE).shape[1]))

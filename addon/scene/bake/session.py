@@ -1,0 +1,213 @@
+"""One bake from geometry to colours, and what of it is kept for another light.
+
+Light first goes round between coarse patches, which tells where it changes fast: there objects are
+divided finely, and patches too. Then rays from the points of objects collect it, in passes that are
+each whole. Their hits stay in memory, not in the file: opened elsewhere, they are cast anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from ....node_groups import baked_light, modifiers
+from ...progress import Progress
+from ...transport import directions, rays
+from ...transport.cells import Cells, levels_for
+from ...transport.hits import Space
+from ...transport.radiosity import Radiosity
+from . import geometry, layout, storage, surroundings
+from .light import Light
+from .receivers import Points, Receivers, Target, filled
+
+PATCHES = 40_000, 120_000
+"""At most so many at first and at last, where a scene has no more triangles."""
+
+SENT = 64, 128
+"""Rays from each patch, at first and at last."""
+
+BUDGET = 100e6, 4e6
+"""Rays from points in all, with and without `embreex`: some seconds."""
+
+
+@dataclass
+class _Session:
+    """What another light can be cast on without a ray."""
+
+    key: int
+    materials: list[str]
+    radiosity: Radiosity
+    receivers: Receivers
+
+
+_last: list[_Session] = []
+
+
+def baking(
+    objects: Sequence[bpy.types.Object],
+    light: Light,
+    count: int | None,
+    tolerance: float,
+    slow: bool,
+) -> Generator[Progress, None, tuple[list[str], int]]:
+    """Lay out and light objects; return lines to say and how many are baked."""
+    _last.clear()
+    kept = [storage.ensure(obj) for obj in objects]
+    for obj, bake in zip(objects, kept, strict=True):
+        modifiers.set_inputs(storage.modifier_of(obj), Faces=0, Near=0.0, Back=False)
+        storage.write_levels(bake, np.empty(0), np.empty(0))
+    whole: list[bpy.types.Object] = []
+    try:
+        yield Progress(0.0, "geometry")
+        lines, plans = layout.begin(list(zip(objects, kept, strict=True)))
+        if not plans:
+            return lines, 0
+        around = geometry.gather(bpy.context.evaluated_depsgraph_get())
+        found = surroundings.signatures(around)
+        surfaces = around.surfaces
+        matter = light.matter(around.materials)
+        levels = levels_for(surfaces, layout.START * around.size, PATCHES[0])
+        space = Space(Cells.of(surfaces, levels, layout.SMALL * around.size), matter, slow)
+        coarse = Radiosity(space)
+        for done in coarse.cast(SENT[0], alike=True):
+            yield Progress(0.2 * done, "light between surfaces")
+        coarse.solve(light.sky, np.zeros_like(coarse.E))
+        bend = layout.bends(coarse)
+        layout.refine(plans, around, bend, levels, tolerance)
+        targets = layout.lay_out(plans, around)
+        others = [obj for obj in bpy.data.objects if storage.is_lit(obj) and obj not in objects]
+        targets += _kept_targets(others, around)
+        whole = [target.obj for target in targets]
+        finer = layout.finer(surfaces, levels, bend, tolerance, PATCHES[1])
+        del coarse, space
+        space = Space(Cells.of(surfaces, finer, layout.SMALL * around.size), matter, slow)
+        radiosity = Radiosity(space)
+        for done in radiosity.cast(SENT[1]):
+            yield Progress(0.3 + 0.3 * done, "light between surfaces")
+        receivers = Receivers(targets, around.materials)
+        session = _Session(0, around.materials, radiosity, receivers)
+        solved = _solve(session, light)
+        total = _rays(len(receivers), slow) if count is None else count
+        for part, parts in ((0, 4), (1, 4)):
+            pattern = directions.pattern(total // 4, part, parts)
+            if part:
+                rest = [directions.pattern(total // 4, k, 4) for k in (1, 2, 3)]
+                pattern = np.concatenate(rest)
+            for done in receivers.cast(space, pattern):
+                share = 0.6 + 0.1 * done if part == 0 else 0.7 + 0.3 * done
+                yield Progress(share, f"{len(receivers):,} points")
+            _write(session, light, solved)
+            if part == 0:
+                for plan in plans:
+                    surroundings.remember(plan.bake, plan.obj.name_full, found)
+                yield Progress(0.7, "a first light")
+        session.key = _key()
+        _last.append(session)
+    finally:
+        for obj in objects:
+            if obj not in whole or not storage.is_lit(obj):
+                storage.remove(obj)
+    return lines, len(plans)
+
+
+def relight(objects: Sequence[bpy.types.Object], light: Light) -> list[str]:
+    """Light baked objects anew; return lines to say."""
+    lines = []
+    same = _last and _last[0].key == _key() and _last[0].receivers
+    if not same or {t.obj.name for t in same.targets} != {obj.name for obj in objects}:
+        _last.clear()
+        around = geometry.gather(bpy.context.evaluated_depsgraph_get())
+        surfaces = around.surfaces
+        matter = light.matter(around.materials)
+        levels = levels_for(surfaces, layout.START * around.size, PATCHES[1])
+        space = Space(Cells.of(surfaces, levels, layout.SMALL * around.size), matter)
+        radiosity = Radiosity(space)
+        for _ in radiosity.cast(SENT[1]):
+            pass
+        receivers = Receivers(_kept_targets(objects, around), around.materials)
+        total = _rays(len(receivers), False)
+        for _ in receivers.cast(space, directions.pattern(total)):
+            pass
+        _last.append(_Session(_key(), around.materials, radiosity, receivers))
+        lines.append("the light was baked elsewhere or before: its rays were cast anew")
+    session = _last[0]
+    _write(session, light, _solve(session, light))
+    return lines
+
+
+def forget() -> None:
+    """Let go of what is kept for another light."""
+    _last.clear()
+
+
+def _solve(session, light):
+    radiosity = session.radiosity
+    matter = light.matter(session.materials)
+    radiosity.take(matter)
+    return radiosity.solve(light.sky, radiosity.lit_by(list(light.lamps)))
+
+
+def _write(session: _Session, light: Light, solved) -> None:
+    """Leave on all objects the colours that light makes of them."""
+    table, tells, _ = solved
+    names = session.materials
+    colours, told = session.receivers.colours(
+        session.radiosity.space,
+        table,
+        tells,
+        lambda kind: light.colours(names[kind]),
+        lambda kind: light.matrix(names[kind]),
+    )
+    for target in session.receivers.targets:
+        for side, name in ((1.0, baked_light.LIGHT), (-1.0, baked_light.BEHIND)):
+            points, numbers = target.numbers[side]
+            if side < 0 and not target.backs.any():
+                continue
+            values = np.zeros((len(target.fine.places), 4), np.float32)
+            share = np.zeros(len(values))
+            values[points, :3], share[points] = colours[numbers], told[numbers]
+            values[points, 3] = baked_light.FLAG
+            values[:, :3] = filled(target.fine, values[:, :3], share)
+            storage.write_attribute(target.bake, name, values)
+        target.bake.data.update()
+        target.bake.update_tag()
+        target.obj.update_tag()
+
+
+def _kept_targets(objects: Sequence[bpy.types.Object], around: geometry.Geometry) -> list[Target]:
+    """Objects as they were laid out before."""
+    targets = []
+    for obj, fine in zip(objects, storage.evaluated(objects), strict=True):
+        bake = storage.bake_of(obj)
+        if fine is None or bake is None:
+            continue
+        if len(fine.places) != modifiers.get_input(storage.modifier_of(obj), "Faces"):
+            continue  # no longer the mesh that was baked
+        points = Points(obj, fine, around.origin, around.size)
+        backs = np.full(len(fine.places), baked_light.BEHIND in bake.data.attributes)
+        targets.append(Target(obj, bake, fine, points, backs))
+    return targets
+
+
+def _rays(points: int, slow: bool) -> int:
+    """From each of so many points, a multiple of 4."""
+    embree = rays.fast() and not slow
+    least, most = (128, 2048) if embree else (64, 256)
+    wanted = BUDGET[0 if embree else 1] / max(points, 1)
+    return int(np.clip(2 ** np.round(np.log2(wanted)), least, most))
+
+
+def _key() -> int:
+    """What stands in the scene, in one number: another place or mesh is another."""
+    parts = []
+    bpy.context.view_layer.update()
+    for instance in bpy.context.evaluated_depsgraph_get().object_instances:
+        mesh = instance.object.data
+        if instance.object.type == "MESH" and mesh is not None:
+            place = tuple(round(value, 6) for row in instance.matrix_world for value in row)
+            slots = [s.material.name_full for s in instance.object.material_slots if s.material]
+            parts.append((instance.object.name, place, len(mesh.vertices), *slots))
+    return hash(tuple(parts))

@@ -1,0 +1,1 @@
+"""Light between surfaces, all bounces, in bands: geometry and arithmetic, without Blender."""

@@ -1,0 +1,202 @@
+"""What rays meet: for each the row of a table that holds the light which comes along it.
+
+The table's rows are the fronts of all patches, their backs, the cells of the sphere beyond, and two
+more: `Space.lost`, for rays that start inside something solid, which tell nothing; `Space.dark`. So
+light that changes changes the table, and no ray is cast anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import directions
+from .cells import ANGLES, Cells, Matter
+from .rays import Caster
+
+CHUNK = 2**18
+"""Rays at once: some 30 MB."""
+
+THROUGH = 6
+"""Panes and holes that a ray may pass; then it is dark."""
+
+
+@dataclass
+class Hits:
+    """For each of n points the table's rows (n, rays) that its rays meet."""
+
+    rows: NDArray[np.int32]
+    odd: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    """(k,), numbers (point * rays + ray) of those that came through panes; `rows` has them dark."""
+    odd_rows: NDArray[np.int32] = field(default_factory=lambda: np.empty(0, np.int32))
+    odd_filter: NDArray[np.int32] = field(default_factory=lambda: np.empty(0, np.int32))
+    """(k,), which of `Space.filters` each came through."""
+
+    def part(self, points: slice) -> Hits:
+        """Those of some points that follow one another."""
+        rays = self.rows.shape[1]
+        ends = [points.start * rays, points.stop * rays]
+        first, last = np.searchsorted(self.odd, ends).tolist()
+        return Hits(
+            self.rows[points],
+            self.odd[first:last] - points.start * rays,
+            self.odd_rows[first:last],
+            self.odd_filter[first:last],
+        )
+
+
+class Space:
+    """Cells, and what rays between them meet."""
+
+    def __init__(self, cells: Cells, matter: Matter, slow: bool = False) -> None:
+        self.cells, self.matter = cells, matter
+        self.caster = Caster(cells.corners, slow)
+        n = cells.patches
+        self.sky, self.lost, self.dark = 2 * n, 2 * n + directions.SKY, 2 * n + directions.SKY + 1
+        self.rows = self.dark + 1
+        self.filters: list[NDArray[np.float32]] = []
+        self._combined: dict[tuple[int, int], int] = {}
+        self._porous = matter.clear | (matter.opacity < 1.0)
+        self._any = bool(self._porous.any())
+        self._noise = np.random.default_rng(0)
+        self.lift = np.float32(max(2e-6 * cells.size, 1e-7))
+        """How far over a face rays start."""
+
+    def look(
+        self, starts: NDArray, normals: NDArray, pattern: NDArray
+    ) -> Iterator[tuple[slice, Hits]]:
+        """Yield what points (n, 3) meet along a pattern about their normals (n, 3), some thousand
+        of them at a time."""
+        rays = len(pattern)
+        step = max(1, CHUNK // rays)
+        for first in range(0, len(normals), step):
+            part = slice(first, min(first + step, len(normals)))
+            ways = directions.about(normals[part], pattern)
+            origins = np.repeat(starts[part].astype(np.float32), rays, axis=0)
+            yield part, self.met(origins, ways)
+
+    def met(self, origins: NDArray[np.float32], ways: NDArray[np.float32]) -> Hits:
+        """Return what rays (n, rays, 3) meet; ``origins`` as many."""
+        rows, odd, odd_filter = self.trace(origins.reshape(-1, 3), ways.reshape(-1, 3))
+        odd_rows = rows[odd]
+        rows[odd] = self.dark
+        rows = rows.reshape(ways.shape[:2])
+        return Hits(rows, odd, odd_rows, odd_filter)
+
+    def trace(
+        self,
+        origins: NDArray[np.float32],
+        ways: NDArray[np.float32],
+        reach: NDArray | None = None,
+    ) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int32]]:
+        """Return the rows that rays (n, 3), (n, 3) end in, the numbers of those that went through
+        panes, and through which of `filters`. What lies farther than ``reach`` (n,) is not met."""
+        cells, count = self.cells, self.cells.patches
+        met = self.caster.first_hits(origins, ways)
+        met = self._within(met, origins, ways, reach, slice(None))
+        rows = met.copy()
+        passed = np.zeros(len(rows), np.int32) if self._any else None
+        if passed is not None and count:
+            going = np.flatnonzero((met >= 0) & self._porous[cells.kind[met]])
+            at = origins
+            for _ in range(THROUGH):
+                opacity = self.matter.opacity[cells.kind[met[going]]]
+                clear = self.matter.clear[cells.kind[met[going]]]
+                goes = clear | (self._noise.random(len(going), np.float32) >= opacity)
+                going = going[goes]
+                if not len(going):
+                    break
+                at = at.copy() if at is origins else at
+                hit, way = met[going], ways[going]
+                normal = cells.normals[hit]
+                slope = np.einsum("nk,nk->n", way, normal)
+                self._filter(passed, going, cells.kind[hit], np.abs(slope))
+                to = np.einsum("nk,nk->n", cells.corners[hit, 0] - at[going], normal)
+                far = to / np.where(np.abs(slope) < 1e-6, 1e-6, slope) + 4 * self.lift
+                at[going] += far[:, None] * way
+                met[going] = self.caster.first_hits(at[going], way)
+                rows[going] = met[going] = self._within(met[going], origins, ways, reach, going)
+                hit = met[going]
+                going = going[(hit >= 0) & self._porous[cells.kind[hit]]]
+            else:
+                rows[going] = -2
+        inside = np.flatnonzero(rows >= 0)
+        hit = rows[inside]
+        behind = np.einsum("nk,nk->n", ways[inside], cells.normals[hit]) > 0.0
+        beyond = np.flatnonzero(rows < 0)
+        dark = rows[beyond] == -2
+        patch = cells.patch[hit]
+        rows[inside] = np.where(behind, np.where(cells.solid[hit], self.lost, patch + count), patch)
+        rows[beyond] = self.sky + directions.cells(ways[beyond])
+        rows[beyond[dark]] = self.dark
+        if passed is None:
+            return rows, np.empty(0, np.int64), np.empty(0, np.int32)
+        odd = np.flatnonzero(passed)
+        return rows, odd, passed[odd] - 1
+
+    def _within(self, met, origins, ways, reach, rays):
+        """What some rays have met, -1 where that lies farther than their reach."""
+        if reach is None:
+            return met
+        normal = self.cells.normals[met]
+        to = np.einsum("nk,nk->n", self.cells.corners[met, 0] - origins[rays], normal)
+        slope = np.einsum("nk,nk->n", ways[rays], normal)
+        far = to / np.where(slope == 0.0, 1e-9, slope)
+        return np.where((met >= 0) & (far < reach[rays]), met, -1).astype(np.int32)
+
+    def _filter(self, passed, rays, kinds, cosines) -> None:
+        """Note that rays go through what they have met; ``passed`` (n,) is 0 for none, or one more
+        than a number of `filters`."""
+        glass = self.matter.clear[kinds]
+        rays, kinds, cosines = rays[glass], kinds[glass], cosines[glass]
+        step = np.minimum((cosines * ANGLES).astype(np.int64), ANGLES - 1)
+        pair = passed[rays].astype(np.int64) << 32 | (kinds * ANGLES + step)
+        for key in np.unique(pair):
+            before, pane = int(key) >> 32, int(key) & 0xFFFFFFFF
+            if (before, pane) not in self._combined:
+                values = self.matter.transmittance[pane // ANGLES, pane % ANGLES]
+                if before:
+                    values = values * self.filters[before - 1]
+                self.filters.append(values)
+                self._combined[before, pane] = len(self.filters)
+            passed[rays[pair == key]] = self._combined[before, pane]
+
+
+def gather(hits: Hits, table: NDArray[np.float32], filters: NDArray | None = None) -> NDArray:
+    """Return the mean (n, k) over each point's rays of what the table's rows (rows, k) hold.
+
+    ``filters`` (f, k): what those of `Space.filters` leave of light through panes; None: that is
+    left out.
+    """
+    count, rays = hits.rows.shape
+    result = np.empty((count, table.shape[1]), np.float32)
+    step = max(1, 2**14 // rays)
+    flat = hits.rows.reshape(-1)
+    for first in range(0, count, step):
+        found = table.take(flat[first * rays : (first + step) * rays], axis=0)
+        np.einsum(
+            "nrk->nk", found.reshape(-1, rays, table.shape[1]), out=result[first : first + step]
+        )
+    if len(hits.odd) and filters is not None:
+        light = table.take(hits.odd_rows, axis=0) * filters.take(hits.odd_filter, axis=0)
+        point = hits.odd // rays
+        for k in range(table.shape[1]):
+            result[:, k] += np.bincount(point, light[:, k], count)
+    return result / np.float32(rays)
+
+
+def joined(parts: list[Hits]) -> Hits:
+    """Return hits of points one after another."""
+    if not parts:
+        return Hits(np.empty((0, 1), np.int32))
+    rays = parts[0].rows.shape[1]
+    before = np.cumsum([0, *(len(part.rows) * rays for part in parts)])
+    return Hits(
+        np.concatenate([part.rows for part in parts]),
+        np.concatenate([part.odd + at for part, at in zip(parts, before, strict=False)]),
+        np.concatenate([part.odd_rows for part in parts]),
+        np.concatenate([part.odd_filter for part in parts]),
+    )

@@ -1,0 +1,165 @@
+"""Light between surfaces against closed forms, and what holds for light whatever the scene."""
+
+import numpy as np
+import pytest
+
+from spectral_skylight.addon.transport import directions
+from spectral_skylight.addon.transport.bands import COUNT
+from spectral_skylight.addon.transport.cells import ANGLES, Cells, Matter, Surfaces, levels_for
+from spectral_skylight.addon.transport.hits import Space, gather
+from spectral_skylight.addon.transport.radiosity import Direct, Radiosity
+
+DARK = np.zeros((directions.SKY, COUNT), np.float32)
+WHITE = DARK + 1.0
+SKY = DARK + (np.arange(directions.SKY) < directions.SKY // 2)[:, None].astype(np.float32)
+
+
+def box(size=2.0, inwards=False):
+    """Twelve triangles (12, 3, 3) of a cube about the origin."""
+    places = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size / 2
+    sides = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    cut = [part for a, b, c, d in sides for part in ((a, b, c), (a, c, d))]
+    corners = places[np.array(cut)]
+    return corners[:, ::-1] if inwards else corners
+
+
+def ball(rings=40):
+    """Triangles (n, 3, 3) of a ball of radius 1, fronts outwards."""
+    theta = np.linspace(0.0, np.pi, rings + 1)
+    phi = np.linspace(0.0, 2.0 * np.pi, 2 * rings + 1)
+
+    def at(i, j):
+        t, p = theta[i], phi[j]
+        return np.array([np.sin(t) * np.cos(p), np.sin(t) * np.sin(p), np.cos(t)])
+
+    found = []
+    for i in range(rings):
+        for j in range(2 * rings):
+            a, b, c, d = at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)
+            found += [(a, b, c)] if i + 1 < rings else []
+            found += [(a, c, d)] if i else [(a, b, c)]
+    corners = np.array(found)
+    area = np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    return corners[area > 1e-9]
+
+
+def matter(reflectances, emission=0.0, clear=False, transmittance=1.0, opacity=1.0):
+    """Kinds of surfaces that are grey."""
+    count = len(reflectances)
+    return Matter(
+        np.repeat(np.array(reflectances, np.float32)[:, None], COUNT, axis=1),
+        np.full((count, COUNT), emission, np.float32),
+        np.full(count, opacity, np.float32),
+        np.full(count, clear, bool),
+        np.full((count, ANGLES, COUNT), transmittance, np.float32),
+    )
+
+
+def radiosity(corners, of, kinds=0, solid=True, cells=2000, rays=256, slow=False, small=0.0):
+    kinds = np.broadcast_to(np.asarray(kinds, np.int32), len(corners))
+    solid = np.broadcast_to(solid, len(corners))
+    surfaces = Surfaces(corners, kinds, solid, np.zeros(len(corners), np.int32))
+    made = Cells.of(surfaces, levels_for(surfaces, 0.01, cells), small)
+    found = Radiosity(Space(made, of, slow))
+    for _ in found.cast(rays):
+        pass
+    return found
+
+
+def solved(found, sky=DARK, lamps=()):
+    table, _, _ = found.solve(sky, found.lit_by(list(lamps)))
+    return table
+
+
+@pytest.mark.parametrize("slow", [False, True], ids=["embreex", "mathutils"])
+@pytest.mark.parametrize("small", [0.0, 10.0], ids=["cells", "patches"])
+def test_a_closed_white_room_that_shines(slow, small):
+    """B = e / (1 - rho): 5 where walls shine by 1 and reflect 0.8."""
+    pytest.importorskip("bpy" if slow else "embreex")  # which brings mathutils
+    cells = 12 if small else 2000
+    room = radiosity(box(inwards=True), matter([0.8], 1.0), cells=cells, slow=slow, small=small)
+    light = solved(room)[: room.space.cells.patches]
+    np.testing.assert_allclose(light, 5.0, rtol=5e-3)
+
+
+def test_a_closed_room_with_a_lamp():
+    """All that a lamp sends is taken up in the end: sum of (1 - rho) E pi A is its power."""
+    room = radiosity(box(inwards=True), matter([0.8]))
+    power = 10.0
+    spectrum = np.full(COUNT, power / (4.0 * np.pi**2), np.float32)
+    lamp = Direct(np.array([0.3, -0.2, 0.1]), np.array([0.0, 0.0, -1.0]), spectrum)
+    solved(room, lamps=[lamp])
+    areas = room.space.cells.areas[room.space.cells.first]
+    taken = (0.2 * np.pi * room.E[:, 0] * areas).sum()
+    assert taken == pytest.approx(power, rel=5e-3)
+
+
+def test_a_ball_under_a_white_sky():
+    """(1 + n_z) / 2 of a white upper half, all of a white sphere, and no light from itself."""
+    found = radiosity(ball(), matter([0.8]), cells=0)
+    cells = found.space.cells
+    solved(found, WHITE)
+    np.testing.assert_allclose(found.E, 1.0, rtol=5e-3)
+    solved(found, SKY)
+    expected = (1.0 + cells.normals[:, 2]) / 2.0
+    # 256 rays are turned at random about each normal: 0.5 % in the mean, 3 % of the sky at worst.
+    np.testing.assert_allclose(found.E[:, 0], expected, atol=0.03)
+    areas = cells.areas
+    assert (found.E[:, 0] * areas).sum() == pytest.approx((expected * areas).sum(), rel=5e-3)
+
+
+def test_light_goes_either_way_alike():
+    """A_i F_ij = A_j F_ji between a large wall and a small one across a corner."""
+    floor = [[(0, 0, 0), (4, 0, 0), (4, 4, 0)], [(0, 0, 0), (4, 4, 0), (0, 4, 0)]]
+    wall = [[(0, 1, 0.2), (0, 2, 0.2), (0, 2, 1.2)], [(0, 1, 0.2), (0, 2, 1.2), (0, 1, 1.2)]]
+    corners = np.array(floor + wall, float)
+    found = radiosity(corners, matter([0.0, 0.0]), [0, 0, 1, 1], cells=4000, rays=1024)
+    cells = found.space.cells
+    areas, kind = cells.areas[cells.first], cells.kind[cells.first]
+    sent = []
+    for shining in (0, 1):
+        table = np.zeros((found.space.rows, 4), np.float32)
+        table[: cells.patches] = (kind == shining)[:, None]
+        arrives = gather(found.hits, table)[: cells.patches, 0]
+        sent.append((arrives * areas)[kind != shining].sum())
+    assert sent[0] == pytest.approx(sent[1], rel=0.02)
+    assert sent[0] > 0.1
+
+
+def test_nothing_is_brighter_than_what_lights_it():
+    """A street of boxes under a sky of 1 with walls that reflect 0.95: below 1 everywhere."""
+    boxes = [np.add(box(), [x, y, 1.0]) for x in (-2.0, 2.0) for y in (-3.0, 0.0, 3.0)]
+    ground = np.array([[(-9, -9, 0), (9, -9, 0), (9, 9, 0)], [(-9, -9, 0), (9, 9, 0), (-9, 9, 0)]])
+    found = radiosity(np.concatenate([*boxes, ground]), matter([0.95]), cells=3000, rays=128)
+    table = solved(found, SKY)
+    assert table.max() <= 1.0 + 1e-4
+    assert found.E.min() >= 0.0
+
+
+def test_a_pane_lets_its_share_through_once_each():
+    """Two panes of 0.7 before a floor: 0.49 of the sky; a hole of half a plane: half."""
+    floor = np.array([[(-0.1, -0.1, 0), (0.1, -0.1, 0), (0.1, 0.1, 0)]])
+    sheet = np.array([[(-99, -99, 1), (99, -99, 1), (0, 99, 1)]], float)
+    corners = np.concatenate([floor, sheet, np.add(sheet, [0, 0, 1])])
+    of = matter([0.0, 0.0])
+    of.clear[1], of.transmittance[1] = True, 0.7
+    found = radiosity(corners, of, [0, 1, 1], solid=False, cells=0)
+    solved(found, WHITE)
+    assert found.E[0, 0] == pytest.approx(0.49, rel=0.01)
+    leaves = matter([0.0, 0.0])
+    leaves.opacity[1] = 0.5
+    found = radiosity(corners[:2], leaves, [0, 1], solid=False, cells=0, rays=1024)
+    solved(found, WHITE)
+    assert found.E[0, 0] == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_wall_that_is_buried_darkens_nothing():
+    """The floor under a box is inside of it; the patch half under it has the light of its rest."""
+    ground = np.array([[(-2, -1, 0), (2, -1, 0), (2, 1, 0)], [(-2, -1, 0), (2, 1, 0), (-2, 1, 0)]])
+    corners = np.concatenate([ground.astype(float), np.add(box(), [40.0, 0, 0]), box(1.0)])
+    found = radiosity(corners, matter([0.0]), cells=0, rays=256)
+    solved(found, WHITE)
+    # The box stands half in the ground: of what lies outside, some sees the box, which is black.
+    assert 0.5 < found.E[0, 0] < 1.0
