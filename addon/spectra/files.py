@@ -28,6 +28,8 @@ LONGEST_NAME = 1000
 
 _FORTRAN = re.compile(r"[+-]?\d+\.?\d*[Dd][+-]?\d{1,3}")
 
+_NEVER_IN_TEXT = bytes([*range(1, 9), *range(14, 27), 28, 29, 30, 31])
+
 _MARKS = (b"\xff\xfe", b"\xfe\xff")
 
 
@@ -93,8 +95,7 @@ def streamed(path: Path) -> Iterator[tuple[int, str]]:
     head = start(path)
     encoding = _utf_16(head)
     if encoding is None:
-        # Instruments pad words with a few.
-        if head.count(0) > len(head) / 20:
+        if _is_binary(head):
             raise BinaryFile(path, "is binary, not text", "export it as CSV")
         encoding = "utf-8-sig" if _is_utf_8(path) else "latin-1"
     read = number = 0
@@ -119,6 +120,12 @@ def streamed(path: Path) -> Iterator[tuple[int, str]]:
                     yield number, line.rstrip("\r\n").replace("\0", "")
     except OSError as error:
         raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from error
+
+
+def _is_binary(head: bytes) -> bool:
+    """Whether bytes are no text; instruments pad words with a few zeros."""
+    strange = sum(head.count(byte) for byte in _NEVER_IN_TEXT)
+    return head.count(0) > len(head) / 20 or strange > len(head) / 200
 
 
 class BinaryFile(InputError):
