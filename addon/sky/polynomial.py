@@ -25,10 +25,6 @@ def exponents(degree: int) -> list[tuple[int, int, int]]:
     ]
 
 
-EXPONENTS = exponents(HIGHEST_DEGREE)
-"""The 49 exponents of the highest degree. A lower degree's are among them, in the same order."""
-
-
 def monomials(normals: ArrayLike, degree: int) -> NDArray[np.float64]:
     """Return every monomial at every unit normal, (m, (degree + 1)^2), normals (m, 3)."""
     normals = np.asarray(normals, dtype=float)

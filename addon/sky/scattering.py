@@ -11,11 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..spectra.grid import WAVELENGTHS
-from ..spectra.sunlight import extraterrestrial_sunlight
 from .atmosphere import EARTH_RADIUS, Atmosphere, Medium, medium
 from .gases import band_absorption, band_depth
 from .path_lengths import columns_to_space, distances
-from .phase_functions import haze_phase, rayleigh_phase
 
 
 def sun_transmittance(sun_elevation: float, atmosphere: Atmosphere) -> NDArray[np.float64]:
@@ -37,26 +35,6 @@ def transmittance(matter: Medium, columns: NDArray) -> NDArray[np.float64]:
         where, _ = band_absorption()
         result[..., where] *= np.exp(-band_depth(columns[..., 3:] * matter.bands))
     return np.where(blocked, 0.0, result)
-
-
-def single_scattering(
-    sun_elevation: float,
-    directions: NDArray[np.float64],
-    atmosphere: Atmosphere | None = None,
-    sun_azimuth: float = 180.0,
-) -> NDArray[np.float64]:
-    """Return the radiance that sunlight scattered once brings from directions of the sky, (m, 81).
-
-    [W m^-2 sr^-1 nm^-1]. ``directions`` (m, 3): unit vectors above the horizon, z up and y north;
-    elevations and azimuth [degrees], the azimuth clockwise from north.
-    """
-    matter = medium(atmosphere or Atmosphere())
-    sun = direction(np.radians(sun_elevation), np.radians(90.0 - sun_azimuth))
-    air, haze = scattered_once(matter, sun, directions)
-    cosine = directions @ sun
-    scattered = rayleigh_phase(cosine)[:, None] * air
-    scattered += haze_phase(cosine, matter.asymmetry)[:, None] * haze
-    return scattered * extraterrestrial_sunlight()
 
 
 def scattered_once(matter: Medium, sun: NDArray, directions: NDArray) -> NDArray[np.float64]:

@@ -10,7 +10,8 @@ by how near they are.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Hashable
+from dataclasses import dataclass, fields
 from functools import cache, cached_property
 from pathlib import Path
 
@@ -48,6 +49,9 @@ _SHARES = {"shade": 4.0, "daylight": 4.0, "overcast": 4.0, "tilted": 2.0}
 """How much the kinds of light count, others 1: a matrix meets irradiances, all of the sky at once,
 more than single directions of it."""
 
+_KEPT = 16
+"""Restorations that are kept: those of one sky and its bases."""
+
 _FLOOR = 1e-3
 """Weight of members of any other colour: where no member is near, all count."""
 
@@ -82,7 +86,7 @@ class Ensemble:
 
     def save(self, path: Path) -> None:
         """Write all arrays to one file."""
-        np.savez_compressed(path, **vars(self))
+        np.savez_compressed(path, **{f.name: getattr(self, f.name) for f in fields(self)})
 
     @property
     def spectra(self) -> NDArray[np.float64]:
@@ -132,7 +136,16 @@ class Ensemble:
 
         Arguments as those of `weights`.
         """
-        return self._wiener(S_in, self.weights(S_in, sun_elevation, colours))
+        known = None if colours is None else np.asarray(colours, dtype=float)
+        parts = (S_in,) if known is None else (S_in, known)
+        key = sun_elevation, *((part.shape, part.tobytes()) for part in parts)
+        if key not in self._restorations:
+            if len(self._restorations) >= _KEPT:
+                self._restorations.clear()
+            found = self._wiener(S_in, self.weights(S_in, sun_elevation, known))
+            found.flags.writeable = False
+            self._restorations[key] = found
+        return self._restorations[key]
 
     def _XYZ(
         self, S_in: NDArray, sun_elevation: float | None, colours: ArrayLike
@@ -167,6 +180,11 @@ class Ensemble:
     def some(self, members: NDArray[np.intp]) -> NDArray[np.float64]:
         """Return the spectra of members (n,) on the grid, (n, 81)."""
         return self.scores[members].astype(float) @ self.components
+
+    @cached_property
+    def _restorations(self) -> dict[Hashable, NDArray[np.float64]]:
+        """What `restoration` found: one update of a scene asks for the same again and again."""
+        return {}
 
     @cached_property
     def _shares(self) -> NDArray[np.float64]:

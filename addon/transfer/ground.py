@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..choices import GROUNDS, listed
 from ..errors import InputError, parameter
 from ..sky.direct_sun import SunLight
-from ..sky.irradiance import exact_irradiance, spread
+from ..sky.irradiance import exact_irradiance, running_sums, spread
 from ..sky.light import SkyLight
 from ..sky.polynomial import exponents, monomials
 from ..spectra.daylight_locus import LIMIT, locus_distance
@@ -23,8 +23,6 @@ from ..spectra.grid import WEIGHTS
 from ..spectra.metamer import spectrum_with_colour
 from ..spectra.sensitivities import cmfs
 from .matrices import Transfer
-from .measures import delta_E
-from .prediction import rgb_albedo
 from .prefilter import balanced_rgb
 
 CHOICES = tuple(name for name in GROUNDS if name != "auto")
@@ -95,7 +93,8 @@ def ground_light(
             parameter("ground"), f"'{choice}' is no ground", f"choose {listed(CHOICES)}"
         )
     upper, lower = split(light.sky)
-    seen = exact_irradiance(lower, [[0.0, 0.0, -1.0]])[0]
+    below = running_sums(lower)  # which are most of the work, and serve three times
+    seen = exact_irradiance(below, [[0.0, 0.0, -1.0]])[0]
     if choice == "none" or (choice == "hdri" and not seen.any()):
         line = "no light comes from below" + (": the HDRI is black there" * (choice == "hdri"))
         return GroundLight("none", np.zeros(WEIGHTS.size), np.zeros((1, 3)), line)
@@ -115,7 +114,7 @@ def ground_light(
         )
         return GroundLight(choice, spectrum, coefficients, line)
     line = "light from below: the HDRI's own ground"
-    grey = is_grey(light, mapping)
+    grey = _is_grey(seen, light, mapping)
     # Of a grey ground its light is skylight and sunlight: the sky's own basis knows that best.
     spectrum = mapping.restoration @ (seen * white) if grey else None
     if spectrum is None or spectrum.min() < 0.0:
@@ -127,7 +126,7 @@ def ground_light(
     shown = mapping.to_working @ seen
     size = balanced_rgb(spectrum, mapping) / np.where(shown == 0, 1.0, shown)
     normals = spread(1000)
-    terms, target = monomials(normals, DEGREE), exact_irradiance(lower, normals)
+    terms, target = monomials(normals, DEGREE), exact_irradiance(below, normals)
     coefficients = np.linalg.lstsq(terms, target, rcond=None)[0] @ mapping.to_working.T * size
     return GroundLight(choice, spectrum, coefficients, line)
 
@@ -137,34 +136,11 @@ def is_grey(light: SkyLight, mapping: Transfer) -> bool:
 
     Then it needs no spectrum of its own: the material's matrix for skylight serves it.
     """
-    seen = exact_irradiance(split(light.sky)[1], [[0.0, 0.0, -1.0]])[0]
+    return _is_grey(exact_irradiance(split(light.sky)[1], [[0.0, 0.0, -1.0]])[0], light, mapping)
+
+
+def _is_grey(seen: NDArray[np.float64], light: SkyLight, mapping: Transfer) -> bool:
+    """Return the same for the lower half's RGB irradiance (3,) from below."""
     white = np.ones(3) if mapping.white is None else mapping.white
     away = locus_distance(seen * white, mapping.S_in, light.sun_elevation(), direct_sun=True)
     return bool(away <= LIMIT)
-
-
-def short_cuts(
-    mapping: Transfer, lights: ArrayLike, first: ArrayLike, second: ArrayLike
-) -> dict[str, NDArray[np.float64]]:
-    """Return what ways to shade light that was reflected twice are off by, CIEDE2000 (k, a, b).
-
-    Lights (k, 81) fall on materials ``first`` (a, 81) and from these on ``second`` (b, 81). Lab
-    white is the perfect diffuser in the first light. By way: ``"matrix of the product"``
-    M(rho1 rho2); ``"product of matrices"`` M(rho2) M(rho1); ``"as sky"``, M(rho2) times the true
-    RGB of what the first reflects; ``"RGB × RGB"``, both albedos times the light's RGB.
-    """
-    lights, first, second = (np.atleast_2d(each) for each in (lights, first, second))
-    S_out, rgb = mapping.S_out, lights @ mapping.S_in.T
-    white = (lights @ S_out.T)[:, None, None]
-    twice = np.einsum("al,bl->abl", first, second)
-    between = np.einsum("il,al,kl->kai", mapping.S_in, first, lights, optimize=True)
-    M_1, M_2 = mapping.matrices(first), mapping.matrices(second)
-    albedo = rgb_albedo(first, mapping.space)[:, None] * rgb_albedo(second, mapping.space)
-    ways = {
-        "matrix of the product": np.einsum("abij,kj->kabi", mapping.matrices(twice), rgb),
-        "product of matrices": np.einsum("bij,ajl,kl->kabi", M_2, M_1, rgb, optimize=True),
-        "as sky": np.einsum("bij,kaj->kabi", M_2, between),
-        "RGB × RGB": albedo * white,
-    }
-    true = np.einsum("il,abl,kl->kabi", S_out, twice, lights, optimize=True)
-    return {name: delta_E(each, true, white, mapping.space) for name, each in ways.items()}

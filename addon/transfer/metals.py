@@ -41,12 +41,6 @@ def schlick_82(F0: ArrayLike, tint: ArrayLike, cosine: ArrayLike) -> NDArray[np.
     return plain - at_edge * cosine * (1.0 - cosine) ** 6 / (EDGE * (1.0 - EDGE) ** 6)
 
 
-def edge_tint(n: ArrayLike, k: ArrayLike) -> NDArray[np.float64]:
-    """Return the tint of `schlick_82` by wavelength, (81,): Fresnel over Schlick at 82°."""
-    F0 = conductor(n, k)
-    return conductor(n, k, EDGE) / (F0 + (1.0 - F0) * (1.0 - EDGE) ** 5)
-
-
 def tints(
     n: ArrayLike, k: ArrayLike, spectrum: ArrayLike, space: str = DEFAULT_SPACE
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -5,9 +5,27 @@ import os
 import numpy as np
 import pytest
 
+from spectral_skylight.addon.sky.atmosphere import Atmosphere, medium
 from spectral_skylight.addon.sky.clear_sky import picture
-from spectral_skylight.addon.sky.scattering import direction, single_scattering
+from spectral_skylight.addon.sky.phase_functions import haze_phase, rayleigh_phase
+from spectral_skylight.addon.sky.scattering import direction, scattered_once
 from spectral_skylight.addon.sky.simulation import simulate
+from spectral_skylight.addon.spectra.sunlight import extraterrestrial_sunlight
+
+
+def single_scattering(sun_elevation, directions, atmosphere=None, sun_azimuth=180.0):
+    """Return the radiance that sunlight scattered once brings from directions of the sky, (m, 81).
+
+    [W m^-2 sr^-1 nm^-1]. ``directions`` (m, 3): unit vectors above the horizon, z up and y north;
+    elevations and azimuth [degrees], the azimuth clockwise from north.
+    """
+    matter = medium(atmosphere or Atmosphere())
+    sun = direction(np.radians(sun_elevation), np.radians(90.0 - sun_azimuth))
+    air, haze = scattered_once(matter, sun, directions)
+    cosine = directions @ sun
+    scattered = rayleigh_phase(cosine)[:, None] * air
+    scattered += haze_phase(cosine, matter.asymmetry)[:, None] * haze
+    return scattered * extraterrestrial_sunlight()
 
 
 def test_400_directions_scattered_once(benchmark):

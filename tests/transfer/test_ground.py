@@ -18,11 +18,38 @@ from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.reflectance import read_reflectances
 from spectral_skylight.addon.spectra.sensitivities import observer
-from spectral_skylight.addon.transfer.ground import CHOICES, ground_light, short_cuts, split
+from spectral_skylight.addon.transfer.ground import CHOICES, ground_light, split
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
+from spectral_skylight.addon.transfer.prediction import rgb_albedo
 from spectral_skylight.addon.transfer.prefilter import prefiltered
 from spectral_skylight.tests.stability.lights import LEAVES, daylight, skylight
+
+
+def short_cuts(mapping, lights, first, second):
+    """Return what ways to shade light that was reflected twice are off by, CIEDE2000 (k, a, b).
+
+    Lights (k, 81) fall on materials ``first`` (a, 81) and from these on ``second`` (b, 81). Lab
+    white is the perfect diffuser in the first light. By way: ``"matrix of the product"``
+    M(rho1 rho2); ``"product of matrices"`` M(rho2) M(rho1); ``"as sky"``, M(rho2) times the true
+    RGB of what the first reflects; ``"RGB × RGB"``, both albedos times the light's RGB.
+    """
+    lights, first, second = (np.atleast_2d(each) for each in (lights, first, second))
+    S_out, rgb = mapping.S_out, lights @ mapping.S_in.T
+    white = (lights @ S_out.T)[:, None, None]
+    twice = np.einsum("al,bl->abl", first, second)
+    between = np.einsum("il,al,kl->kai", mapping.S_in, first, lights, optimize=True)
+    M_1, M_2 = mapping.matrices(first), mapping.matrices(second)
+    albedo = rgb_albedo(first, mapping.space)[:, None] * rgb_albedo(second, mapping.space)
+    ways = {
+        "matrix of the product": np.einsum("abij,kj->kabi", mapping.matrices(twice), rgb),
+        "product of matrices": np.einsum("bij,ajl,kl->kabi", M_2, M_1, rgb, optimize=True),
+        "as sky": np.einsum("bij,kaj->kabi", M_2, between),
+        "RGB × RGB": albedo * white,
+    }
+    true = np.einsum("il,abl,kl->kabi", S_out, twice, lights, optimize=True)
+    return {name: delta_E(each, true, white, mapping.space) for name, each in ways.items()}
+
 
 S = observer()
 NAMES, RHO = colorchecker()

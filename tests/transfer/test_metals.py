@@ -6,8 +6,15 @@ import pytest
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS, resample
 from spectral_skylight.addon.spectra.illuminants import D65
 from spectral_skylight.addon.spectra.refraction import read_nk
-from spectral_skylight.addon.transfer.metals import EDGE, conductor, edge_tint, schlick_82, tints
+from spectral_skylight.addon.transfer.metals import EDGE, conductor, schlick_82, tints
 from spectral_skylight.addon.transfer.prefilter import prefiltered
+
+
+def edge_tint(n, k):
+    """Return the tint of `schlick_82` by wavelength, (81,): Fresnel over Schlick at 82°."""
+    F0 = conductor(n, k)
+    return conductor(n, k, EDGE) / (F0 + (1.0 - F0) * (1.0 - EDGE) ** 5)
+
 
 # Johnson and Christy 1972 (DOI 10.1103/PhysRevB.6.4370), copper: photon energy [eV], n, k.
 _COPPER = np.array(
