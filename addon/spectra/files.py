@@ -28,6 +28,8 @@ LONGEST_NAME = 1000
 
 _FORTRAN = re.compile(r"[+-]?\d+\.?\d*[Dd][+-]?\d{1,3}")
 
+_BLANKS = "\u00a0\u202f\u2009\u3000"
+
 _NEVER_IN_TEXT = bytes([*range(1, 9), *range(14, 27), 28, 29, 30, 31])
 
 _MARKS = (b"\xff\xfe", b"\xfe\xff")
@@ -176,4 +178,4 @@ def number(text: str) -> float | None:
 def plain(text: str) -> str:
     """Return a name as it can be shown and written: without control characters and half pairs."""
     whole = text[:LONGEST_NAME].encode("utf-8", "replace").decode("utf-8")
-    return "".join(c if c.isprintable() else " " for c in whole).strip()
+    return "".join(c if c.isprintable() or c in _BLANKS else " " for c in whole).strip()

@@ -76,12 +76,13 @@ _WORDS: tuple[tuple[str, str], ...] = (
      r"\badc\b|\bcts\b|\bcps\b|^\W*intensit(?:y|é|à|ä?t|ies)\W*$|^\W*intensit\w+ ?[(\[]|"
      r"^\W*intensidade?\W*|^\W*scope\b|\bz[äa]hl(?:rate|er|impulse)\w*|\bcuentas\b|\bcoups\b|"
      r"\bconteggi\b|\bcontagens\b|\bvolts?\b|カウント|计数|計数|отсч[её]т"),
-    ("arbitrary units", r"arbitrary|\ba\. ?u\.\)?\W*$|^\W*au\W*$|willkürlich|"
-     r"unit[ée]s? arbitraire"),
-    (ABSORBANCE, r"absorban|^\W*abs\.?\W*$|^\W*abs\.? ?[(\[]|extin[ck]tion|extinción|estinzione|"
+    (ABSORBANCE, r"absorban|^\W*abs\.?\W*$|^\W*abs\.? ?[(\[]|[(\[]abs\.?[)\]]|"
+     r"extin[ck]tion|extinción|estinzione|"
      r"optical densit|optische dichte|densit[ée] optique|densidad [oó]ptica|densit[àa] ottica|"
      r"densidade [óo]ptica|^\W*o\.?d\.?\W*\d*\W*$|absorvânci|assorbanz|absorbtie|"
      r"吸光度|吸亮度|оптическ\w+ плотност|흡광도"),
+    ("arbitrary units", r"arbitrary|\ba\. ?u\.\)?\W*$|^\W*au\W*$|willkürlich|"
+     r"unit[ée]s? arbitraire"),
     ("absorption", r"absorption|absorci[oó]n|absorç[aã]o|поглощ"),
     ("fluorescence", r"(?:fluores\w+|luminescence|raman) (?:emission|intens|spectr|signal|count)"),
     (REFLECTANCE, r"reflect|\brefl?\b\.?|(?<![a-z])refl(?![a-z])|r[ée]fl[ée]ct|r[ée]fl[ée]x|"
@@ -178,6 +179,10 @@ def unit_of(words: str) -> str | None:
     return PERCENT if percent else FRACTION
 
 
+_FROM = re.compile(r"data from \S*(?:absorb|reflect|transm)", re.IGNORECASE)
+"""OceanView names its files by what it measures."""
+
+
 def around(lines: Iterable[str]) -> tuple[Said, str]:
     """Return what the lines around a table say of all its numbers, and what of its wavelengths.
 
@@ -200,7 +205,9 @@ def around(lines: Iterable[str]) -> tuple[Said, str]:
             continue
         if value and _KEYS.fullmatch(key):
             keyed = keyed.over(found)
-        elif not _ASIDE.search(line) and (not value or found.quantity in _TELLS):
+        elif (_FROM.match(line) or not _ASIDE.search(line)) and (
+            not value or found.quantity in _TELLS
+        ):
             loose.append(found)
     return keyed.over(_agreed(loose)), x_unit
 

@@ -233,6 +233,9 @@ def _index(table: Table, column: str) -> int:
     if table.names.count(column) > 1:
         raise InputError(table.path, f"several columns are named '{column}'", "rename them")
     if column not in table.names:
+        folded = [" ".join(name.split()) for name in table.names]
+        if folded.count(" ".join(column.split())) == 1:
+            return folded.index(" ".join(column.split()))
         some = ", ".join(f"'{name}'" for name in table.names[:8])
         more = f" and {len(table.names) - 8} more" if len(table.names) > 8 else ""
         raise InputError(table.path, f"no column '{column}'", f"there are {some}{more}")

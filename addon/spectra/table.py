@@ -147,7 +147,7 @@ def _table(sheet: Sheet, rows: list[Row], heads: Heads) -> Table:
     data, words = _numbers(rows, columns)
     lines = np.array([row.line for row in rows])
     groups, notes = _groups(sheet, data, heads, words)
-    said, x_unit = quantities.around(_texts_around(sheet, rows))
+    said, x_unit = quantities.around(_texts_around(sheet, rows, heads))
     parts = []
     worded = {column for _, column in words}
     for at, values in groups:
@@ -155,6 +155,8 @@ def _table(sheet: Sheet, rows: list[Row], heads: Heads) -> Table:
         has = np.isfinite(data[:, at]) | np.isfinite(data[:, values]).any(axis=1)
         if at in worded:
             has |= np.array([(k, at) in words for k in range(len(rows))])
+        if not has.any():
+            raise InputError(path, "holds no numbers of light", "add the measured values")
         nm = wavelengths.to_nm(data[has, at], unit)
         _check(path, nm, lines[has], unit)
         parts.append((nm, data[np.ix_(has, values)], lines[has]))
@@ -186,6 +188,8 @@ def _format(sheet: Sheet) -> str:
 def _said(text: str, spectra: int, around: Said) -> Said:
     """Return what a column's heading says of it, where it is silent what the lines around do."""
     own = quantities.said(text)
+    if text == "A" and spectra == 1:  # PerkinElmer's absorbance, or somebody's sample
+        return Said("A (absorbance, or a name?)")
     # A plastic among other materials, not absorbance.
     if text.strip() == "ABS" and spectra > 1:
         own = Said()
@@ -341,8 +345,15 @@ def _check(path: Path, nm: NDArray, lines: NDArray, unit: str) -> None:
         )
 
 
-def _texts_around(sheet: Sheet, rows: list[Row]) -> list[str]:
-    """Return comments and the lines before and after a block."""
+def _texts_around(sheet: Sheet, rows: list[Row], heads: Heads) -> list[str]:
+    """Return comments and the lines before and after a block, without those that head columns."""
     first, last = rows[0].line, rows[-1].line
-    outside = [row.text for row in sheet.rows if not first <= row.line <= last]
+    begun = min(heads.line, first) if heads.named else first
+    outside = [
+        row.text
+        for row in sheet.rows
+        if row.line > last
+        or (row.line < begun and sum(map(bool, row.cells[:9])) < 3)
+        or (row.line < begun and sheet.separator == " ")
+    ]
     return [text for _, text in sheet.comments[:400]] + outside[:400] + outside[-200:]

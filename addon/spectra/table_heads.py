@@ -45,6 +45,8 @@ def heads_of(sheet: Sheet, start: int, rows: Sequence[Row]) -> Heads:
     main = next((k for k, (_, cells) in enumerate(grid) if _of_wavelengths(cells)), None)
     if main is None:
         return _without(sheet, start, rows, grid, width)
+    while main + 1 < len(grid) and _of_wavelengths(grid[main + 1][1]):
+        main += 1  # units stand under their quantities
     line, cells = grid[main]
     shift = _shift(cells, rows)
     below = [_padded(row, width, shift) for _, row in reversed(grid[:main])]

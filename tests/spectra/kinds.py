@@ -456,6 +456,14 @@ KNOWN = {
         "a.csv",
         text("Sample,Red", "Date,2024-01-01", "Wavelength,Reflectance", rows(RED)),
     ),
+    "absorbance units": (
+        "a.txt",
+        text("Wave\tAbsorbance", "[nm]\t[A.U.]", rows(-np.log10(RED), sep="\t")),
+    ),
+    "absorbance by its file's name": (
+        "a.txt",
+        text("Data from x_Absorbance_001.txt Node", "", rows(-np.log10(RED), sep="\t")),
+    ),
     "percent in French": (
         "a.csv",
         text("Longueur d'onde (nm);Rouge - Réflectance (%)", rows(PERCENT, sep=";")),

@@ -128,6 +128,16 @@ def test_each_column_is_decided_for_itself(write):
         read_reflectances(path, column="thickness")
 
 
+def test_a_heading_speaks_for_its_own_column(write):
+    """What another column is, or in what unit, says nothing of this one."""
+    lines = rows(-np.log10(RED), PERCENT, RED)
+    path = write("a.csv", text("nm,one (Abs),two (%T),three", lines))
+    read = read_reflectances(path)
+    assert [kind.quantity for kind in read.kinds] == ["absorbance", "transmittance", ""]
+    for values in read.values:
+        assert_red(values)
+
+
 def test_percents_in_names_are_no_units(write):
     path = write("a.csv", text('nm,"Cotton 50 %","Grey 20%"', rows(RED, GREY)))
     assert_red(read_reflectances(path).values[0])
@@ -173,6 +183,11 @@ REFUSED = {
     "absorption of some kind": (text("nm,Absorption (%)", rows(PERCENT)), "holds absorption"),
     "emissivity": (text("nm,Emissivity", rows(RED)), "holds emissivity"),
     "a lamp in TM-27": (kinds.tm27("flux"), "holds light"),
+    "irradiance over its unit": (
+        text("Wave;Irradiance", "[nm];[µWatt/cm²/nm]", rows(RED, sep=";")),
+        "holds light",
+    ),
+    "an A that may be a name": (text("nm,A", rows(0.5 * RED)), "absorbance, or a name"),
     "a display": (kinds.cgats(more='DEVICE_CLASS "DISPLAY"'), "holds light"),
     "an emission in CGATS": (kinds.cgats(more='MEAS_TYPE "EMISSION"'), "holds light"),
     "units that nobody knows": (kinds.jcamp("ARBITRARY UNITS", RED), "holds arbitrary units"),
@@ -222,3 +237,10 @@ def test_what_is_no_reflectance_is_refused_in_one_line(write, content, said):
 def test_a_file_of_light_alone_is_about_something_else(write):
     with pytest.raises(NoSpectra):
         read_reflectances(write("a.spdx", kinds.tm27("flux")))
+
+
+def test_a_block_without_numbers_is_said(write):
+    """Found by the fuzzer: each row has numbers, but none in the columns that count."""
+    lines = [f",,{k},{k + 1}" for k in range(30)]
+    with pytest.raises(InputError):
+        read_reflectances(write("a.csv", text("nm,red", lines)))
