@@ -242,3 +242,22 @@ def test_the_batch_hashes_every_room_that_it_reaches():
         left = near - reached
     assert {"spectra", "sky", "transfer", "scene"} <= reached
     assert not reached & {name.removesuffix(".py") for name in NOT_IN_PICTURES}
+
+
+def test_the_packages_of_the_scene_are_in_layers():
+    """No package imports, by whatever way, one that imports it."""
+
+    def package(parts):
+        return parts[2].removesuffix(".py")
+
+    below = {}
+    for found in ALL:
+        module = found.module.split(".")
+        if found.relative and of_room(found) == room(module) == "scene":
+            here = package(found.path.relative_to(ROOT).parts)
+            below.setdefault(here, set()).update({package(module)} - {here})
+    while remaining := {name: lower & below.keys() for name, lower in below.items()}:
+        ground = {name for name, lower in remaining.items() if not lower}
+        assert ground, f"a circle among {sorted(remaining)}"
+        for name in ground:
+            del below[name]
