@@ -9,11 +9,11 @@ from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS, WEIGHTS, resample
 from spectral_skylight.addon.spectra.illuminants import D65
 from spectral_skylight.addon.spectra.sensitivities import cmfs, observer
+from spectral_skylight.addon.transfer.glass import Glazing, panes, uncoated
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.addon.transfer.prediction import rgb_albedo
 from spectral_skylight.tests.stability.lights import daylight
-from spectral_skylight.tests.transfer.glass import Glazing, panes, uncoated
 
 VISIBLE = cmfs()[1] * WEIGHTS * D65()
 VISIBLE = VISIBLE / VISIBLE.sum()

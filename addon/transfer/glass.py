@@ -13,7 +13,7 @@ from functools import reduce
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from spectral_skylight.addon.transfer.metals import conductor
+from .metals import conductor
 
 INDEX = 1.52
 """Refractive index of window glass; 1.524 to 1.515 from 450 to 700 nm (M. Rubin 1985,
