@@ -148,6 +148,26 @@ def test_a_world_made_by_hand_is_told(scene, tmp_path, name, packed):
         assert "load it by Load Sky HDRI" in notes[0] and len(notes) == 1
 
 
+@pytest.mark.parametrize("name", KINDS)
+def test_loading_what_a_world_shows_otherwise(scene, tmp_path, name):
+    """Load Sky HDRI does what the panel says that it does, and keeps a World that is right."""
+    KINDS[name][0](tmp_path / name)
+    write_panorama(tmp_path / "b.exr", sky())
+    world = worlds.set_sky(scene, tmp_path / "b.exr")
+    image = bpy.data.images.load(str(tmp_path / name))
+    world.node_tree.nodes[worlds.sky_of(world).texture].image = image
+    right = name == "plain.exr" or image.colorspace_settings.name not in ("", "Linear Rec.709")
+    found = worlds.set_sky(scene, tmp_path / name)
+    assert (found == world) == right
+    shown = np.maximum(panorama.pixels_of(worlds.sky_of(found).image), 0.0)
+    truth = read_panorama(tmp_path / name).rgb
+    np.testing.assert_allclose(shown, truth, atol=4e-4 * truth.max())  # Blender 4.5's tables
+    assert worlds.set_sky(scene, tmp_path / name) == found
+    if name == "plain.exr":  # of a file that says nothing a user's own color space stays
+        image.colorspace_settings.name = "ACEScg"
+        assert worlds.set_sky(scene, tmp_path / name) == world
+
+
 def test_raw_skies_are_never_converted(scene, tmp_path):
     write_panorama(tmp_path / "a.exr", sky(), {"chromaticities": ACESCG})
     image = sky_image.load(tmp_path / "a.exr", raw=True)

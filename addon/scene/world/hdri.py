@@ -150,15 +150,16 @@ def value_path(world: bpy.types.World, node: str | None, socket: str) -> str | N
 def set_sky(scene: bpy.types.Scene, path: str | Path, raw: bool = False) -> bpy.types.World:
     """Light a scene by an HDRI file and return its World.
 
-    The scene's World is kept where its image is that file already. Otherwise the scene gets a new
-    one; the user's own is never edited. A ``raw`` file's numbers are a camera's: Blender must not
-    convert them, so a newly loaded image is tagged Non-Color. Raises InputError if the file
-    is no sky, as `sky.panorama.read_panorama` does.
+    The scene's World is kept where its image shows that file already. Otherwise the scene gets a
+    new one; the user's own is never edited. A ``raw`` file's numbers are a camera's: Blender must
+    not convert them, so a newly loaded image is tagged Non-Color. Raises InputError if the file is
+    no sky, as `sky.panorama.read_panorama` does.
     """
     path = Path(path).resolve()
     shown = None if scene.world is None else sky_of(scene.world).image
-    if shown is None or not sky_image.is_of(shown, path):
-        scene.world = _new_world(sky_image.load(path, raw))
+    image = sky_image.load(path, raw, shown)
+    if image != shown:
+        scene.world = _new_world(image)
     return scene.world
 
 

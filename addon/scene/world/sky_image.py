@@ -28,17 +28,27 @@ KEY = "spectral_skylight_sky"
 LOAD = "load it by Load Sky HDRI"
 
 
-def load(path: Path, raw: bool = False) -> bpy.types.Image:
+def load(path: Path, raw: bool = False, shown: bpy.types.Image | None = None) -> bpy.types.Image:
     """Load a sky file as an image; the numbers of a ``raw`` one are a camera's, never converted.
 
-    Raises InputError where `sky.panorama.read_panorama` does; nothing is loaded then.
+    An image of the file that is there already is returned, ``shown`` first, if it shows what the
+    file means. Raises InputError where `sky.panorama.read_panorama` does; nothing is loaded then.
     """
+    there = [
+        image
+        for image in ([] if shown is None else [shown]) + list(bpy.data.images)
+        if (image == shown or (image.users and image.library is None)) and is_of(image, path)
+    ]
+    for image in there:
+        if KEY in image and _kept(image).get("raw") == raw:
+            return image
     sky = read_sky(path, raw)
     if not sky.space:
         return _packed(path, sky, raw)
-    for image in bpy.data.images:
-        tag = image.colorspace_settings.name
-        if image.users and image.library is None and tag == sky.space and is_of(image, path):
+    for image in there:
+        # Of a file that says nothing a user's own choice stands, as a raw one's is judged later.
+        chosen = sky.space == DEFAULT_SPACE or (raw and image == shown)
+        if KEY not in image and (chosen or image.colorspace_settings.name == sky.space):
             return image
     image = bpy.data.images.load(str(path))
     # Blender knows some colour spaces by names of theirs that we do not: its choice stands.
@@ -67,7 +77,7 @@ def _packed(path: Path, sky: Panorama, raw: bool) -> bpy.types.Image:
         image.pack()
     image.filepath_raw = f"//{copy.name}"
     image.name = path.name
-    image[KEY] = json.dumps({"file": _stamp(path), "notes": list(sky.notes)})
+    image[KEY] = json.dumps({"file": _stamp(path), "raw": raw, "notes": list(sky.notes)})
     return image
 
 
