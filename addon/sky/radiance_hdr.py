@@ -53,7 +53,7 @@ def read_radiance(path: Path) -> tuple[NDArray[np.float32], dict[str, object]]:
     rows = max(1, height // _BANDS, _PIXELS_AT_ONCE // width)
     packed = data[start : start + 4]
     # Only widths that fit the line's own header can be packed the new way.
-    new = packed[:2] == b"\2\2" and 8 <= width < 32768 and packed[2] < 128
+    new = packed[:2] == b"\2\2" and 8 <= width < 32768 and packed[2:3] < b"\x80"
     for row in range(0, height, rows):
         count = min(rows, height - row)
         unpack = _unpack_new if new else _unpack_old

@@ -120,6 +120,14 @@ def test_mutations(files, tmp_path, capfd):
     )
 
 
+@pytest.mark.parametrize("name", ["new.hdr", "old.hdr"])
+def test_hdr_cut_at_each_of_its_first_bytes(files, tmp_path, name):
+    whole, path = files[name], tmp_path / name
+    for length in range(whole.index(b"+X") + 60):
+        path.write_bytes(whole[:length])
+        assert isinstance(outcome(path)[0], str)
+
+
 @pytest.mark.parametrize("pixels", [(999998, 499999), (999999, 999999), (2, 1), (32768, 16384)])
 def test_hdr_that_claims_more_than_it_holds(tmp_path, pixels):
     path = tmp_path / "a.hdr"
