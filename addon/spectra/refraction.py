@@ -12,6 +12,7 @@ from ..errors import InputError
 from .curves import LIGHT
 from .files import content, number
 from .grid import WAVELENGTHS, resample
+from .wavelengths import NM, UM, to_nm
 
 LARGEST_GAP = 100.0
 """[nm] between neighbouring samples of visible light: tables by photon energy are that coarse."""
@@ -87,7 +88,7 @@ def _on_grid(path: Path, name: str, table: NDArray, column: int) -> NDArray[np.f
         np.count_nonzero((wavelengths >= low / size) & (wavelengths <= high / size))
         for size in (1.0, 1000.0)
     )
-    wavelengths = wavelengths * (1000.0 if in_um > in_nm else 1.0)
+    wavelengths = to_nm(wavelengths, UM if in_um > in_nm else NM)
     order = np.argsort(wavelengths)
     wavelengths, values = wavelengths[order], values[order]
     # What the grid cannot see, all but the nearest on either side, may be as it likes.

@@ -123,11 +123,11 @@ def likely(values: NDArray[np.float64]) -> bool:
 def to_nm(values: ArrayLike, unit: str) -> NDArray[np.float64]:
     """Return wavelengths [nm] from any of the units; a wavenumber of 0 gives infinity."""
     found = np.asarray(values, dtype=float)
-    if unit in (PER_CM, EV):
-        with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
+        if unit in (PER_CM, EV):
             # h c / e, CODATA 2018, exact to the digits.
             return (1e7 if unit == PER_CM else 1239.841984) / found
-    return found * {NM: 1.0, UM: 1000.0, ANGSTROM: 0.1}[unit]
+        return found * {NM: 1.0, UM: 1000.0, ANGSTROM: 0.1}[unit]
 
 
 def in_header(cells: Sequence[str]) -> list[tuple[str, list[int], NDArray[np.float64]]]:

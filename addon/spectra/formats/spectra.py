@@ -55,7 +55,7 @@ def to_nm(path: Path, wavelengths: ArrayLike, unit: str = "") -> NDArray[np.floa
     in_nm, in_um = (
         np.count_nonzero((found >= low / size) & (found <= high / size)) for size in (1.0, 1000.0)
     )
-    return found * (1000.0 if in_um > in_nm else 1.0)
+    return units.to_nm(found, units.UM if in_um > in_nm else units.NM)
 
 
 def table(
