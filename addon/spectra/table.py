@@ -22,6 +22,7 @@ from .files import BinaryFile, plain
 from .merging import merged, told_apart
 from .quantities import Said
 from .table_heads import Heads, heads_of
+from .table_numbers import check_widths, numbers_of
 
 __all__ = ["NoSpectra", "Table", "read_table"]
 
@@ -143,8 +144,8 @@ def _table(sheet: Sheet, rows: list[Row], heads: Heads) -> Table:
     if not rows:
         raise _no_spectra(sheet, heads)
     columns = len(heads.names)
-    _check_widths(sheet, rows, columns, heads.named)
-    data, words = _numbers(rows, columns)
+    check_widths(sheet, rows, columns, heads.named)
+    data, words = numbers_of(rows, columns)
     lines = np.array([row.line for row in rows])
     groups, notes = _groups(sheet, data, heads, words)
     said, x_unit = quantities.around(_texts_around(sheet, rows, heads))
@@ -194,54 +195,6 @@ def _said(text: str, spectra: int, around: Said) -> Said:
     if text.strip() == "ABS" and spectra > 1:
         own = Said()
     return own.over(around)
-
-
-def _check_widths(sheet: Sheet, rows: list[Row], columns: int, named: bool) -> None:
-    for row in rows:
-        if len(row.cells) > columns:
-            raise InputError(
-                f"{sheet.path}:{row.line}",
-                f"{len(row.cells)} columns where the first line has {columns}",
-                "make every row as long as the first"
-                + (
-                    "; with decimal commas separate by semicolons" if sheet.separator == "," else ""
-                ),
-            )
-    if (
-        sheet.separator == ","
-        and not named
-        and columns > 2
-        and all("." not in row.text for row in rows)
-    ):
-        # 380,0,05: no reflectance is 0 at all wavelengths, or 1, and has whole numbers beside it.
-        seconds = {row.cells[1] for row in rows if len(row.cells) > 1}
-        if seconds <= {"0", "1"} and rows[0].cells[0] not in ("0", "1"):
-            raise InputError(
-                f"{sheet.path}:{rows[0].line}",
-                "decimal commas between commas",
-                "with decimal commas separate by semicolons",
-            )
-
-
-def _numbers(rows: list[Row], columns: int) -> tuple[NDArray, dict[tuple[int, int], str]]:
-    """Return all cells as numbers (k, columns), and what stands where there is none."""
-    data = np.full((len(rows), columns), np.nan)
-    words: dict[tuple[int, int], str] = {}
-    for k, row in enumerate(rows):
-        try:
-            data[k, : len(row.cells)] = [float(cell) for cell in row.cells if len(cell) < 40]
-            if "_" not in row.text:
-                continue
-        except ValueError:
-            pass
-        data[k] = np.nan
-        for column, cell in enumerate(row.cells):
-            found = value(cell)
-            if found is not None:
-                data[k, column] = found
-            elif cell:
-                words[k, column] = cell
-    return data, words
 
 
 def _groups(
