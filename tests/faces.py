@@ -17,11 +17,16 @@ PIXELS = 3  # a face is 3 x 3 pixels and its middle is read: no neighbour reache
 
 
 def empty_scene() -> bpy.types.Scene:
-    """A new file with one empty scene that renders fast: one sample, nothing bounces."""
+    """A new file with one empty scene that renders fast: one sample, nothing bounces.
+
+    Nor does Eevee cast shadows: it prepares them for each sample, lamps or not, and by a processor
+    that takes longer than all else that small pictures need.
+    """
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.render.engine = renderer.engine_id("eevee")
     scene.eevee.taa_render_samples = 1
+    scene.eevee.use_shadows = False
     scene.cycles.samples = 1
     scene.cycles.max_bounces = 0
     scene.cycles.use_denoising = False
@@ -47,7 +52,9 @@ def light(scene: bpy.types.Scene, folder: Path, seed: int = 1) -> bpy.types.Worl
     """Give the scene a World with a made-up sky."""
     path = folder / f"sky{seed}.exr"
     write_panorama(path, smooth_sky(seed))
-    return worlds.set_sky(scene, path)
+    world = worlds.set_sky(scene, path)
+    world.probe_resolution = "128"  # of what mirrors it; by default 1024, for each picture anew
+    return world
 
 
 def directions(count: int, seed: int = 0) -> np.ndarray:

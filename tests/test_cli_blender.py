@@ -15,7 +15,7 @@ from spectral_skylight.addon.sky.lat_long import directions
 from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.tests import exr
 
-pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]
+pytestmark = [pytest.mark.blender, pytest.mark.slow]
 
 SIZE = 24
 

@@ -15,7 +15,7 @@ from spectral_skylight.addon.sky.polynomial import evaluate_polynomial
 from spectral_skylight.addon.sky.sun import separate_sun
 from spectral_skylight.tests import faces
 
-pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]
+pytestmark = [pytest.mark.blender, pytest.mark.slow]
 
 NORMALS = faces.directions(1000, seed=4)
 # Rows with negative entries and every entry different: no transposed or mixed-up row passes.

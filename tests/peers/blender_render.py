@@ -66,6 +66,7 @@ def diffuse(name: str, colour: np.ndarray) -> bpy.types.Material:
 def build(request: dict[str, Any], face: dict[str, Any]) -> bpy.types.Scene:
     """Return the scene with one face, in today's materials or in ours."""
     scene = faces.empty_scene()
+    scene.eevee.use_shadows = True
     worlds.set_sky(scene, request["file"])
     names, rho = colorchecker()
     materials = [diffuse(n, c) for n, c in zip(names, rgb_albedo(rho), strict=True)]

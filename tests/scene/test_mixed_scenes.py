@@ -51,6 +51,7 @@ def scene(tmp_path_factory):
     scene = faces.empty_scene()
     write_panorama(folder / "sky.exr", np.full((16, 32, 3), FAINT))
     world = worlds.set_sky(scene, folder / "sky.exr")
+    world.probe_resolution = "128"  # even as it is
     white = (1.0, 1.0, 1.0, 1.0)
     made = {
         "wall": shader("wall", "BsdfDiffuse"),

@@ -19,7 +19,7 @@ from spectral_skylight.addon.spectra.reflectance import reflectance_hash
 from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.tests import exr
 
-pytestmark = [pytest.mark.blender, pytest.mark.slow, pytest.mark.everywhere]
+pytestmark = [pytest.mark.blender, pytest.mark.slow]
 
 TURN = 0.9
 """The World's Mapping turns by this [rad]."""
