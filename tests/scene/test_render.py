@@ -8,7 +8,9 @@ import bpy
 import numpy as np
 import pytest
 
+from spectral_skylight.addon import cli, tags
 from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.scene.files import blend_file
 from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.scene.output import render
 from spectral_skylight.addon.scene.world import light_group
@@ -130,3 +132,16 @@ def test_the_same_without_the_add_on(scene, tmp_path, engine):
     theirs = exr.picture(plain)
     assert ours.max() > 0.5 and np.ptp(ours) > 0.05
     np.testing.assert_array_equal(theirs, ours)
+
+
+def test_the_command_says_what_shows_rgb_and_what_a_command_can_do(
+    scene, tmp_path, capsys, monkeypatch
+):
+    """Whoever has no window cannot press the panel's button."""
+    bpy.data.materials["Matt"][tags.SHOWS_RGB] = "[]"
+    blend_file.save(tmp_path / "compared.blend")
+    monkeypatch.setattr(render, "render", lambda *_: ())  # the pictures are others' matter
+    assert cli.main(["render", f"{tmp_path}/compared.blend", "--out", f"{tmp_path}/a.exr"]) == 0
+    said = capsys.readouterr().err
+    assert said.startswith("WARNING: Matt: rendered as RGB × RGB") and "apply" in said
+    assert "press" not in said
