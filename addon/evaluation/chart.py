@@ -23,7 +23,8 @@ from ..spectra.working_spaces import LUMINANCE
 from ..transfer.measures import delta_E, relative_error
 from .day import ROWS, face_weights
 from .evaluation import Errors, errors_of
-from .light_methods import LIGHT_METHODS, PLACES, LightMethod, SkyPicture
+from .light_methods import LIGHT_METHODS, LightMethod
+from .light_places import PLACES, SkyPicture
 from .methods import METHODS, Method, Sky, true_colours, with_basis
 from .one_light import cases, ways
 from .speed import nanoseconds

@@ -143,7 +143,7 @@ def _legend(axis: Any, kinds: set[str]) -> None:
         place = "lower left"
         signs = [
             ("o", _COLOURS["light"], "open sky"),
-            ("D", _COLOURS["walls"], "in a street, walls as high as it is wide"),
+            ("D", _COLOURS["walls"], "in a street, its light grey walls as high as it is wide"),
         ]
     handles = [Line2D([], [], **ink, marker=m, markerfacecolor=fill) for m, fill, _ in signs]
     handles.append(Line2D([], [], color="#999999", linewidth=1.3))

@@ -9,95 +9,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..sky.dome import dome as suns
-from ..sky.irradiance import exact_irradiance, fit_coefficients, irradiance_map
+from ..sky.irradiance import irradiance_map
 from ..sky.lat_long import directions, solid_angles
-from ..sky.light import FACES
 from ..sky.polynomial import exponents, monomials
+from .light_places import Place, SkyPicture
 
 LIVE = "24 suns, live"
 """The name of the way that needs no bake."""
-
-_FINER = 2
-"""How much finer than the sky's pixels are the rays that walls stop."""
-
-
-@dataclass(frozen=True)
-class SkyPicture:
-    """A lat-long sky (h, 2 h, 3), without the sun's disc."""
-
-    rgb: NDArray[np.float64]
-
-    @cached_property
-    def polynomials(self) -> tuple[NDArray[np.float64], ...]:
-        """Coefficients of its irradiance for each degree, fitted once."""
-        return fit_coefficients(self.rgb).of_degrees
-
-    @cached_property
-    def fine(self) -> NDArray[np.float64]:
-        """The same with finer pixels, for rays."""
-        return self.rgb.repeat(_FINER, axis=0).repeat(_FINER, axis=1)
-
-
-@dataclass(frozen=True)
-class Place:
-    """Where faces stand: ``normals`` (k, 3), and whether they ``see`` (k, ...) directions (..., 3).
-
-    Where no walls are, ``sees`` is None.
-    """
-
-    normals: NDArray[np.float64]
-    sees: Callable[[NDArray[np.float64]], NDArray[np.bool_]] | None = None
-
-    def irradiance(self, sky: SkyPicture) -> NDArray[np.float64]:
-        """Return the true irradiance / pi (k, 3).
-
-        Without walls in closed form, between walls by adding up all that is seen.
-        """
-        if self.sees is None:
-            return exact_irradiance(sky.rgb, self.normals)
-        return self.transfer(len(sky.fine)) @ sky.fine.reshape(-1, 3)
-
-    def transfer(self, height: int) -> NDArray[np.float64]:
-        """Return what each pixel of a sky of so many rows counts on each face, (k, pixels)."""
-        to = directions(height, 2 * height)
-        cosine = np.maximum(np.einsum("kd,hwd->khw", self.normals, to), 0.0)
-        cosine *= solid_angles(height, 2 * height)[:, None] / np.pi
-        if self.sees is not None:
-            cosine *= self.sees(to)
-        return cosine.reshape(len(self.normals), -1)
-
-
-def street(height: float = 1.0) -> Place:
-    """Return 15 faces in an endless street, as wide as 1, with flat black walls and ground.
-
-    Five across the ground that look up, five up each wall that look over the street. It runs 30°
-    off the x axis, so that neither it nor the sky's own lines are favoured.
-    """
-    turn = np.radians(30.0)
-    across = np.array([-np.sin(turn), np.cos(turn), 0.0])
-    side = np.linspace(-0.4, 0.4, 5)
-    up = np.linspace(0.1, 0.9, 5) * height
-    at = np.concatenate([np.stack([side, 0 * side]), *([s + 0 * up, up] for s in (-0.5, 0.5))], 1)
-    normals = np.repeat([[0.0, 0.0, 1.0], across, -across], 5, axis=0)
-
-    def sees(to: NDArray[np.float64]) -> NDArray[np.bool_]:
-        over = to @ across
-        # The wall ahead, as far away as this, is passed where the ray has risen above it.
-        ahead = 0.5 - at[0].reshape(-1, *[1] * over.ndim) * np.sign(over)
-        missing = height - at[1].reshape(-1, *[1] * over.ndim)
-        return (to[..., 2] > 0) & (to[..., 2] * ahead >= missing * np.abs(over))
-
-    return Place(normals, sees)
-
-
-PLACES = {"open": Place(FACES), "street": street()}
-"""Under the whole sky, and between walls as high as the street is wide."""
 
 
 @dataclass(frozen=True)
@@ -224,6 +147,28 @@ def _visibility(count: int) -> LightMethod:
     return LightMethod(f"visibility, {count} coefficients", True, prepare)
 
 
+def _all_bounces(count: int, rays: int) -> LightMethod:
+    """Beside the visibility, one colour at each place: what has bounced, any number of times.
+
+    From each strip of the surroundings go rays whose hits are kept; their direct light comes from
+    the same coefficients.
+    """
+    visibility = _visibility(count)
+
+    def prepare(sky: SkyPicture, place: Place) -> Held:
+        held = visibility.prepare(sky, place)
+        pixels = np.vstack([held.pixels, np.zeros((3, len(place.normals)))])
+        if place.neighbours is not None:
+            around = visibility.prepare(sky, place.neighbours.strips)
+            direct = around.shade(around.state, around.pixels)
+            pixels[count:] = direct @ place.neighbours.by_rays(rays).T
+        return Held(
+            pixels, held.state, lambda state, pixels: state @ pixels[:count] + pixels[count:]
+        )
+
+    return LightMethod(f"visibility, {count} coefficients, and all bounces", True, prepare)
+
+
 def _suns(sky: SkyPicture, place: Place) -> Held:
     """Soft suns that shine live, each for its share of the sky (`sky.dome`), with their shadows.
 
@@ -246,6 +191,7 @@ LIGHT_METHODS: dict[str, LightMethod] = {
         LightMethod("degree 4 × ambient occlusion", True, _ambient_occlusion),
         LightMethod(LIVE, True, _suns),
         *(_visibility(count) for count in (9, 16, 25)),
+        _all_bounces(25, rays=256),
     )
 }
 """All methods by name."""
