@@ -6,7 +6,6 @@ import numpy as np
 
 CHECKER_COLUMNS, CHECKER_ROWS = 6, 4
 SPHERE_RADIUS = 0.45
-SAMPLES = 16
 
 
 @dataclass(frozen=True)
@@ -53,14 +52,18 @@ CHECKER_CAMERA = look((0, -14, 14), (0, 0, 0), 384, 256, CHECKER_COLUMNS, orthog
 
 
 def sphere_centres() -> np.ndarray:
-    """Return the centres (24, 3) of the checker's spheres, in the chart's order for its camera."""
+    """Return the centres (24, 3) of the checker's spheres, in the chart's order for its camera.
+
+    Each is far behind the one before: none is seen in another's light.
+    """
     k = np.arange(CHECKER_COLUMNS * CHECKER_ROWS)
     x = k % CHECKER_COLUMNS - (CHECKER_COLUMNS - 1) / 2
     y = (CHECKER_ROWS - 1) / 2 - k // CHECKER_COLUMNS
-    return x[:, None] * CHECKER_CAMERA.right + y[:, None] * CHECKER_CAMERA.up
+    across = x[:, None] * CHECKER_CAMERA.right + y[:, None] * CHECKER_CAMERA.up
+    return across - 15.0 * k[:, None] * CHECKER_CAMERA.back
 
 
-BUILDING_CAMERA = look((7.0, -11.0, 3.2), (0.0, 0.0, 1.9), 384, 256, 0.86)
+BUILDING_CAMERA = look((7.0, -11.0, 3.2), (0.0, 0.0, 1.9), 240, 160, 0.86)
 
 
 def _box_sides(x0, x1, y0, y1, z0, z1):

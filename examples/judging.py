@@ -29,10 +29,14 @@ HOW = (
 
 @dataclass(frozen=True)
 class Rays:
-    """What 4 x 4 rays a pixel meet: ``face`` (4h, 4w), -1 for the sky; ``lit`` (lamps, 4h, 4w)."""
+    """What 4 x 4 rays a pixel meet: ``face`` (4h, 4w), -1 for the sky; ``lit`` (lamps, 4h, 4w).
+
+    ``managed`` (4h, 4w): whether its material is one that the add-on was given.
+    """
 
     face: np.ndarray
     lit: np.ndarray
+    managed: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -53,7 +57,7 @@ def pixels(rays: Rays, stage: Stage, verdict: Verdict) -> Pixels:
     inside = np.zeros(face.shape, bool)
     for each in np.unique(face[face >= 0]):
         inside |= binary_erosion((face == each) & whole)
-    judged = inside.copy()
+    judged = inside & rays.managed[2::4, 2::4]
     for lit in rays.lit:
         share = pixel_means(lit)
         # A pixel around the edge for its penumbra, and one for the pixels' filter.
@@ -98,9 +102,16 @@ def figures(error: np.ndarray) -> dict[str, float]:
     }
 
 
-def noise(verdict: Verdict, where: Pixels) -> dict[str, float]:
-    """Return what is left of chance in the referee: half of what its two seeds differ by."""
-    return figures(error_map(*verdict.seeds, where) / 2)
+def noise(seeds: np.ndarray, where: Pixels) -> dict[str, float]:
+    """Return what is left of chance in the mean of two seeds: half of what they differ by."""
+    return figures(error_map(*seeds, where) / 2)
+
+
+def bounced(verdict: Verdict, where: Pixels) -> float:
+    """Return what part of the light has bounced, as a mean over what is judged and matt."""
+    matt = where.judged & (verdict.white @ LUMINANCE > 0)
+    direct, white = (image[matt] @ LUMINANCE for image in (verdict.direct, verdict.white))
+    return float(np.mean(1.0 - direct / white)) if matt.any() else 0.0
 
 
 def errors(picture: np.ndarray, verdict: Verdict, where: Pixels) -> dict[str, dict]:
@@ -121,6 +132,11 @@ def cast(stage: Stage) -> Rays:
         for name, thing in stage.things.items()
         if stage.matter[thing.matter].transmittance is not None
     }
+    given = {
+        name
+        for name, thing in stage.things.items()
+        if not (m := stage.matter[thing.matter]).unmanaged and m.emission is None
+    }
     balls = {name for name, thing in stage.things.items() if thing.ball}
     depsgraph = bpy.context.evaluated_depsgraph_get()
 
@@ -139,6 +155,7 @@ def cast(stage: Stage) -> Rays:
     known: dict[tuple, int] = {}
     face = np.full(origins.shape[:2], -1)
     lit = np.zeros((len(lights), *face.shape), bool)
+    managed = np.zeros(face.shape, bool)
     for at in np.ndindex(face.shape):
         hit, place, normal, index, thing, _, behind = first(
             Vector(origins[at]), Vector(directions[at])
@@ -146,9 +163,10 @@ def cast(stage: Stage) -> Rays:
         if not hit:
             continue
         key = thing.name, 0 if thing.name in balls else index, behind
+        managed[at] = thing.name in given
         face[at] = known.setdefault(key, len(known))
         place = place + normal * 1e-4
         for k, light in enumerate(lights):
             way = light - place
             lit[k][at] = not first(place, way.normalized(), way.length)[0]
-    return Rays(face, lit)
+    return Rays(face, lit, managed)

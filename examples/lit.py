@@ -1,6 +1,7 @@
-"""One example: a scene lit spectrally in Eevee, today's way, and the referee's.
+"""Examples: a scene lit spectrally in Eevee, today's way, and the referee's.
 
-    sh examples/run sun|courtyard|bounce|dusk|texture|gloss|glass [--samples N] [--width N]
+    sh examples/run NAME ... [--samples N] [--width N]
+    sh examples/run random --seed N
 
 Pictures and figures: examples/out/NAME/
 """
@@ -17,13 +18,15 @@ from pathlib import Path
 import bands
 import bpy
 import judging
-import lit_scenes
 import numpy as np
 import OpenEXR
+import paints
 import pictures
+import random_scene
 import referee
 import stage as stages
-from lit_scenes import SCENES, Example, Light
+from example import WIDTH, Example, Light
+from lit_scenes import SCENES
 from main_job import command, silenced
 from reference import WAVELENGTHS, sky_directions
 from stage import Stage, Sun
@@ -34,45 +37,52 @@ from spectral_skylight.addon.scene.output import render as renders
 from spectral_skylight.addon.sky.panorama import write_panorama
 
 TITLES = {
-    "rgb": "RGB × RGB, light as the reference's",
+    "rgb": "RGB × RGB in Cycles, every bounce",
     "eevee": "RGB × RGB in Eevee",
     "rgb_same": "RGB × RGB, light as ours",
     "spectral": "Spectral Skylight in Eevee",
 }
-"""What is judged: today's multiplication alone, all of today, the multiplication in our light with
-what is wrong with that, and ours."""
+"""What is judged: today's multiplication in the true light, all of today, the multiplication in our
+light with what is wrong with that, and ours."""
 
 
 def main() -> int:
     """Run one example; exit code as the command line's."""
     parser = argparse.ArgumentParser(prog="examples/run", description=__doc__.splitlines()[0])
-    parser.add_argument("name", choices=SCENES)
-    parser.add_argument("--samples", type=int, default=128, help="of the referee, a pixel and seed")
-    parser.add_argument("--width", type=int, default=lit_scenes.WIDTH, help="pixels")
+    names = [*SCENES, "random"]
+    parser.add_argument("names", nargs="+", choices=names, metavar="NAME", help=", ".join(names))
+    parser.add_argument("--seed", type=int, default=0, help="of a random scene")
+    parser.add_argument("--samples", type=int, help="of the referee, a pixel and seed")
+    parser.add_argument("--width", type=int, default=WIDTH, help="pixels")
     parser.add_argument("--out", type=Path, default=Path(__file__).parent / "out")
     options = parser.parse_args()
-    out = (options.out / options.name).resolve()
-    out.mkdir(parents=True, exist_ok=True)
-    try:
-        run(options.name, out, options.samples, (options.width, options.width * 2 // 3))
-    except InputError as error:
-        print(f"examples/run: {error}", file=sys.stderr)
-        return 2
-    print(f"Pictures and report: {out}")
+    examples = {**SCENES, "random": random_scene.example(options.seed)}
+    for name in options.names:
+        example = examples[name]
+        folder = f"random_{options.seed}" if name == "random" else name
+        out = (options.out / folder).resolve()
+        out.mkdir(parents=True, exist_ok=True)
+        try:
+            samples = options.samples or example.samples
+            run(folder, example, out, samples, (options.width, options.width * 2 // 3))
+        except InputError as error:
+            print(f"examples/run: {error}", file=sys.stderr)
+            return 2
+        print(f"Pictures and report: {out}")
     return 0
 
 
-def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
+def run(name: str, example: Example, out: Path, samples: int, size: tuple[int, int]) -> None:
     """Leave the pictures and the report of one example in a folder."""
-    example, seconds = SCENES[name], {}
+    seconds: dict[str, float] = {}
     with silenced(out / "blender.log"):
         with timed(seconds, "scene"):
             stage = example.build(light(example, out, size))
             stages.build(stage, referee.Today(), str(out / "sky.exr"))
             rays = judging.cast(stage)
-            save_scene(out / "scene.blend", samples)
+            stages.save(out / "scene.blend", min(64, max(1, samples // 2)))
         with timed(seconds, "referee"):
-            verdict = referee.judge(stage, samples)
+            verdict = referee.judge_once(stage, samples, out)
         with timed(seconds, "eevee"):
             command("render", out / "scene.blend", "--out", out / "eevee.exr")
         with timed(seconds, "spectral"):
@@ -105,10 +115,12 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
         **{kind: judging.errors(images[kind], verdict, where) for kind in TITLES},
         "beside": {k: judging.errors(image, verdict, where) for k, image in beside.items()},
         "referee": {
-            "noise": judging.noise(verdict, where),
+            "noise": judging.noise(verdict.spectral_seeds, where),
+            "rgb_noise": judging.noise(verdict.rgb_seeds, where),
+            "bounced": judging.bounced(verdict, where),
+            "bounces": referee.BOUNCES,
             "samples": 2 * samples,
             "knots_nm": bands.KNOTS.tolist(),
-            "bounces": stage.bounces,
         },
         "pixels": {"judged": int(where.judged.sum()), "share_left_out": where.left_out},
         "seconds": seconds,
@@ -121,7 +133,7 @@ def run(name: str, out: Path, samples: int, size: tuple[int, int]) -> None:
 def light(example: Example, out: Path, size: tuple[int, int]) -> Light:
     """Make an example's sky: the HDRI that an architect has, and its spectra for the referee."""
     sun = "--sun-elevation", example.elevation, "--sun-azimuth", example.azimuth
-    write_csv(out / "ground.csv", {"ground": lit_scenes.reflectance(example.ground)})
+    write_csv(out / "ground.csv", {"ground": paints.reflectance(example.ground)})
     sun += "--ground", out / "ground.csv"
     disc = ["--sun-disc"] if example.sunlit else []
     command("sky", *sun, *disc, "--width", 1024, "--out", out / "sky.exr")
@@ -140,18 +152,7 @@ def light(example: Example, out: Path, size: tuple[int, int]) -> Light:
     direction = np.array(
         [np.cos(place[0]) * np.cos(place[1]), np.cos(place[0]) * np.sin(place[1]), np.sin(place[0])]
     )
-    return lit_scenes.light_of(sky, Sun(direction, disc.sum(axis=(0, 1))), size)
-
-
-def save_scene(path: Path, samples: int) -> None:
-    """Save the open scene as an architect has it: Eevee, base colours, lamps, an HDRI."""
-    scene = bpy.context.scene
-    scene.render.engine = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
-    scene.eevee.taa_render_samples = min(64, max(1, samples // 2))
-    scene.eevee.light_threshold = 1e-4  # else Eevee drops lamps as faint as dusk
-    scene.view_settings.view_transform = "Standard"
-    bpy.context.preferences.filepaths.save_version = 0
-    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+    return Light(sky, Sun(direction, disc.sum(axis=(0, 1))), size)
 
 
 def relight(stage: Stage, example: Example, out: Path, to: Path | None = None) -> None:
@@ -165,10 +166,10 @@ def relight(stage: Stage, example: Example, out: Path, to: Path | None = None) -
         for name in spectra:
             options.extend([option, f"{name}={out / file}:{name}"])
 
-    matter = stage.matter
-    paints = {name: m.measured for name, m in matter.items() if m.measured is not None}
+    matter = {name: m for name, m in stage.matter.items() if not m.unmanaged}
+    measured = {name: m.measured for name, m in matter.items() if m.measured is not None}
     panes = {name: m.transmittance for name, m in matter.items() if m.transmittance is not None}
-    given("--assign", "paints.csv", paints)
+    given("--assign", "paints.csv", measured)
     given("--glass", "panes.csv", panes)
     given("--lamp", "lamps.csv", {name: lamp.spectrum for name, lamp in stage.lamps.items()})
     for name, m in matter.items():
@@ -225,7 +226,10 @@ def told(report: dict) -> list[str]:
             f"{colour['worst']:.2f}"
         )
     noise = report["referee"]["noise"]
-    lines.append(f"Noise of the reference: mean {noise['mean']:.2f}, p95 {noise['p95']:.2f}")
+    lines.append(
+        f"Noise of the reference: mean {noise['mean']:.2f}, p95 {noise['p95']:.2f}; "
+        f"{report['referee']['bounced']:.0%} of its light has bounced"
+    )
     return lines
 
 

@@ -18,7 +18,7 @@ import numpy as np
 import patches
 import pictures
 import reference
-from geometry import BUILDING_CAMERA, BUILDING_MATERIALS, CHECKER_CAMERA
+from geometry import BUILDING_MATERIALS
 from tqdm import tqdm
 
 from spectral_skylight.addon import cli
@@ -29,10 +29,20 @@ from spectral_skylight.addon.spectra.reflectance import read_reflectances
 from spectral_skylight.addon.transfer.known_light import KnownLight
 from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.addon.transfer.measures import delta_E
-from spectral_skylight.addon.transfer.prediction import predict, rgb_albedo
+from spectral_skylight.addon.transfer.prediction import predict
 
 SUN_ELEVATION = 45.0
-SCENES = {"checker": CHECKER_CAMERA, "building": BUILDING_CAMERA}
+SAMPLES = 16
+"""Of Eevee, a pixel."""
+REFEREE_SAMPLES = 32
+"""A pixel and seed."""
+
+OPTIONS = {
+    # Nothing stands beside the checker's spheres: the sky as it is, its lower half too.
+    "checker": ("--occlusion", "open", "--ground", "hdri"),
+    "building": ("--occlusion", "baked", "--bounce"),
+}
+"""Of `apply`, by scene."""
 
 
 def main() -> int:
@@ -64,7 +74,7 @@ class MainJob:
             ("sky", self.make_sky),
             ("matrices", self.compute_matrices),
             ("scenes", self.build_scenes),
-            *((f"render {name}", lambda name=name: self.render(name)) for name in SCENES),
+            *((f"render {name}", lambda name=name: self.render(name)) for name in OPTIONS),
             ("reference", self.compute_reference),
             ("report", self.report),
         ]
@@ -100,35 +110,42 @@ class MainJob:
         (self.out / "matrices.json").write_text(
             json.dumps(dict(zip(self.checker.names, matrices.tolist(), strict=True)), indent=1)
         )
-        self.albedos = rgb_albedo(self.checker.values)
         self.prediction = predict(self.transfer, self.checker.values, KnownLight.of(self.light))
 
     def build_scenes(self) -> None:
+        import bpy
         import scenes
+        import stage
+        from referee import Today
 
-        parts = list(BUILDING_MATERIALS)
+        from spectral_skylight.addon.sky.clear_sky import clear_sky
+
         self.assigned = {
             "checker": {name: name for name in self.checker.names},
             "building": BUILDING_MATERIALS,
         }
-        of_parts = [self.index(BUILDING_MATERIALS[part]) for part in parts]
+        reflectances = dict(zip(self.checker.names, self.checker.values, strict=True))
+        sky = clear_sky(SUN_ELEVATION, 128, orders=1) if self.simulated else None
+        self.stages = {
+            "checker": scenes.checker_stage(reflectances, sky),
+            "building": scenes.building_stage(reflectances, sky),
+        }
         with silenced(self.log):
-            shown = self.exposure, not self.simulated  # our own sky is made without its sun's disc
-            scenes.save_checker(
-                self.blend("checker"), list(self.checker.names), self.albedos, *shown
-            )
-            scenes.save_building(self.blend("building"), parts, self.albedos[of_parts], *shown)
+            for name, each in self.stages.items():
+                stage.build(each, Today(), str(self.sky))
+                bpy.context.scene.world.probe_resolution = "128"  # nothing here mirrors the World
+                # Our own sky is made without its sun's disc.
+                stage.save(self.blend(name), SAMPLES, self.exposure, shadows=not self.simulated)
 
     def render(self, name: str) -> None:
-        """Render a scene spectrally, and as RGB times RGB.
+        """Render a scene spectrally, and as RGB times RGB with the same light on the same faces.
 
-        The second with the same light on the same faces, times the base colour: Eevee's own diffuse
-        light would add its 20 % of luminance to the difference, where a diagonal matrix shows what
-        multiplying in RGB alone costs.
+        Eevee's own diffuse light would add its 20 % of luminance to the difference, where RGB times
+        RGB in our light shows what multiplying alone costs.
         """
         import bpy
 
-        from spectral_skylight.addon.scene.materials import spectral_material
+        from spectral_skylight.addon.scene.materials import rgb_comparison
         from spectral_skylight.addon.scene.output.render import render
 
         spectral = self.out / f"{name}_spectral.blend"
@@ -138,82 +155,93 @@ class MainJob:
             for part in ("--assign", f"{material}={self.csv}:{reflectance}")
         ]
         with silenced(self.log):
-            # The reference's light from below is the sky's own lower half.
-            options = "--sky", self.sky, *assignments, "--ground", "hdri"
+            options = "--sky", self.sky, *assignments, *OPTIONS[name]
             command("apply", self.blend(name), *options, "--out", spectral)
             command("render", spectral, "--out", self.out / f"{name}_spectral.exr")
-            for material, reflectance in self.assigned[name].items():
-                albedo = self.albedos[self.index(reflectance)]
-                spectral_material.update(bpy.data.materials[material], np.diag(albedo))
+            rgb_comparison.show(True)
             render(bpy.context.scene, self.out / f"{name}_rgb.exr")
 
     def compute_reference(self) -> None:
-        """Without Blender: which surface each pixel shows, and under our own sky its colour."""
-        self.surfaces = {
-            "checker": reference.checker_normals(),
-            "building": reference.building_normals(),
-        }
-        self.references = {}
+        """Under our own sky: the checker without Blender, the building by the referee."""
+        self.surfaces = reference.checker_normals()
+        self.truth: dict[str, patches.Truth] = {}
         if not self.simulated:
             return
-        from spectral_skylight.addon.sky.clear_sky import clear_sky
+        self.truth = {"checker": self.checker_truth(), "building": self.building_truth()}
+        for name, truth in self.truth.items():
+            write_panorama(self.out / f"{name}_reference.exr", truth.picture)
+            pictures.save_png(self.out / f"{name}_reference.png", truth.picture, self.exposure)
 
-        sky = clear_sky(SUN_ELEVATION, 128, orders=1)
-        for name, camera in SCENES.items():
-            rows = [self.index(reflectance) for reflectance in self.assigned[name].values()]
-            image, white = reference.picture(
-                sky, *self.surfaces[name], self.checker.values[rows], camera
-            )
-            write_panorama(self.out / f"{name}_reference.exr", image)
-            pictures.save_png(self.out / f"{name}_reference.png", image, self.exposure)
-            self.references[name] = image, white
+    def checker_truth(self) -> patches.Truth:
+        """Return the sum over all wavelengths and all of the sky: nothing stands beside."""
+        stage = self.stages["checker"]
+        true, white = reference.picture(stage.sky, *self.surfaces, self.checker.values)
+        inside = reference.well_inside(self.surfaces[0])
+        return patches.Truth(
+            true, white, lambda image: np.where(inside, delta_E(image, true, white), np.nan)
+        )
+
+    def building_truth(self) -> patches.Truth:
+        """Return the referee's picture: walls, roof and paving light one another."""
+        import judging
+        import referee
+
+        stage, face = self.stages["building"], reference.building_faces()
+        with silenced(self.log):
+            verdict = referee.judge_once(stage, REFEREE_SAMPLES, self.out)
+        rays = judging.Rays(face, np.zeros((0, *face.shape), bool), face >= 0)
+        where = judging.pixels(rays, stage, verdict)
+        return patches.Truth(
+            verdict.spectral,
+            verdict.white,
+            lambda image: judging.error_map(image, verdict.spectral, where),
+            judging.noise(verdict.spectral_seeds, where),
+        )
 
     def report(self) -> None:
-        images = {}
-        for name in SCENES:
-            images[name] = {
+        import judging
+
+        images = {
+            name: {
                 kind: pictures.read(self.out / f"{name}_{kind}.exr") for kind in ("rgb", "spectral")
             }
-            if name in self.references:
-                images[name]["reference"] = self.references[name][0]
+            for name in OPTIONS
+        }
+        errors = {
+            name: {kind: truth.error(image) for kind, image in images[name].items()}
+            for name, truth in self.truth.items()
+        }
         rows = patches.measure(
             self.checker.names,
             self.prediction,
-            self.surfaces["checker"],
+            self.surfaces,
             images["checker"],
-            self.references.get("checker"),
+            self.truth["checker"] if self.truth else None,
         )
-        summary = patches.write_report(self.out, rows, self.light, self.sky.name)
-        for name in SCENES:
+        building = {
+            kind: judging.figures(error) for kind, error in errors.get("building", {}).items()
+        }
+        lines: dict[str, list[str]] = {"building": []}
+        if self.truth:
+            building["noise"] = self.truth["building"].noise
+            lines["building"] = [
+                f"Noise of the reference: mean CIEDE2000 {building['noise']['mean']:.2f}"
+            ]
+        summary = patches.write_report(self.out, rows, self.light, self.sky.name, building)
+        lines["checker"] = [*summary, self.light.caption]
+        for name in OPTIONS:
+            shown = images[name]
+            if self.truth:
+                shown = {**shown, "reference": self.truth[name].picture}
             pictures.save_comparison(
                 self.out / f"{name}.png",
-                images[name],
-                self.error_maps(name, images[name]),
+                shown,
+                errors.get(name, {}),
                 self.exposure,
-                [*summary, self.light.caption],
+                lines[name],
+                titles=pictures.TITLES[name],
             )
         print("\n".join([*summary, self.light.caption]))
-
-    def error_maps(self, name: str, images: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Return CIEDE2000 of the rendered pictures on surfaces, NaN on sky and edges."""
-        if name not in self.references:
-            return {}
-        from scipy.ndimage import binary_erosion
-
-        true, white = self.references[name]
-        shown = self.surfaces[name][0]
-        # Blender's pixel filter reaches a pixel beyond an edge.
-        inside = np.any(
-            [
-                binary_erosion(reference.pixel_means(shown == k) == 1)
-                for k in range(len(self.assigned[name]))
-            ],
-            axis=0,
-        )
-        return {
-            kind: np.where(inside, delta_E(images[kind], true, white), np.nan)
-            for kind in ("rgb", "spectral")
-        }
 
     def blend(self, name: str) -> Path:
         return self.out / f"{name}.blend"

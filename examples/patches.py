@@ -1,6 +1,8 @@
 """The 24 patches in figures: rendered against reference, ours and today's way."""
 
 import json
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,20 @@ from spectral_skylight.addon.sky.light import SkyLight
 from spectral_skylight.addon.transfer.measures import delta_E, relative_error
 from spectral_skylight.addon.transfer.prediction import Prediction
 
+
+@dataclass(frozen=True)
+class Truth:
+    """A reference (h, w, 3), white surfaces in its light, and a picture's CIEDE2000 (h, w) to it.
+
+    ``noise``: the figures of the reference's own, where it has some.
+    """
+
+    picture: np.ndarray
+    white: np.ndarray
+    error: Callable[[np.ndarray], np.ndarray]
+    noise: dict[str, float] = field(default_factory=dict)
+
+
 INSIDE = 0.35
 """Cosine to the camera from which a pixel is well inside its sphere: the edges are anti-aliased."""
 
@@ -20,12 +36,12 @@ def measure(
     prediction: Prediction,
     surfaces: tuple[np.ndarray, np.ndarray],
     images: dict[str, np.ndarray],
-    reference: tuple[np.ndarray, np.ndarray] | None,
+    truth: Truth | None,
 ) -> list[dict]:
     """Return one record a patch: means over its pixels of colours and of errors.
 
     ``surfaces``: patch and normal of every ray; ``images``: rendered, ``rgb`` and ``spectral``;
-    ``reference``: the picture and that of white spheres, None under a photographed sky.
+    ``truth``: the reference's pictures, None under a photographed sky.
     """
     surface, normals = surfaces
     rows = []
@@ -43,8 +59,8 @@ def measure(
             else None,
             "out_of_gamut": bool(prediction.out_of_gamut[k]),
         }
-        if reference is not None:
-            true, white = reference[0][pixels], reference[1][pixels]
+        if truth is not None:
+            true, white = truth.picture[pixels], truth.white[pixels]
             row["reference_rgb"] = true.mean(axis=0).tolist()
             row["out_of_gamut"] = bool((true < 0).any())
             for way, kind in (("spectral", "spectral"), ("today", "rgb")):
@@ -55,8 +71,13 @@ def measure(
     return rows
 
 
-def write_report(out: Path, rows: list[dict], light: SkyLight, sky: str) -> list[str]:
-    """Write ``report.json`` and ``report.txt``; return the sentences that sum them up."""
+def write_report(
+    out: Path, rows: list[dict], light: SkyLight, sky: str, building: dict[str, dict]
+) -> list[str]:
+    """Write ``report.json`` and ``report.txt``; return the sentences that sum them up.
+
+    ``building``: mean, 95th percentile and worst CIEDE2000 of its pictures, where there is a truth.
+    """
     measured = "delta_E_spectral" in rows[0]
     if not measured and rows[0]["predicted_delta_E"] is None:
         return _write_unknown(out, rows, light, sky)
@@ -83,6 +104,7 @@ def write_report(out: Path, rows: list[dict], light: SkyLight, sky: str) -> list
         "out_of_gamut": outside,
         "means": means,
         "mean_ratio": ratio,
+        "building": building,
     }
     table = [_header(measured), *(_line(row, measured) for row in rows)]
     lines = [f"Sky: {sky}", light.caption, "", *table, "", *summary]

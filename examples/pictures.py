@@ -6,11 +6,12 @@ import colour
 import numpy as np
 import OpenEXR
 
+_OURS = {"rgb": "Blender today: RGB × RGB", "spectral": "Spectral Skylight"}
 TITLES = {
-    "rgb": "Blender today: RGB × RGB",
-    "spectral": "Spectral Skylight",
-    "reference": "Full spectrum, without Blender",
+    "checker": {**_OURS, "reference": "Full spectrum, without Blender"},
+    "building": {**_OURS, "reference": "Cycles, wavelength by wavelength, every bounce"},
 }
+"""Of the main job's pictures, by scene."""
 
 
 def read(path: Path) -> np.ndarray:
@@ -43,7 +44,7 @@ def save_comparison(
     errors: dict[str, np.ndarray],
     exposure: float,
     captions: list[str],
-    titles: dict[str, str] = TITLES,
+    titles: dict[str, str],
     most: float = 2.0,
 ) -> None:
     """Save pictures side by side under their titles, maps of their CIEDE2000 and captions below.

@@ -1,11 +1,14 @@
-"""The referee: Cycles, three wavelengths at a time, and today's RGB × RGB along the same paths.
+"""The referee: Cycles with every bounce, three wavelengths at a time; and Cycles' own RGB × RGB.
 
-Nothing of the add-on is in it. Each lamp, the sun and the sky are a light group of their own, so
-that every light keeps its full spectrum (see `bands`); two seeds give the picture and its noise.
+Nothing of the add-on is in it. The sky, the sun, each lamp and what shines are a light group of
+their own, so that every light keeps its full spectrum (see `bands`). Two seeds give the picture and
+its noise; RGB × RGB has two others, or it would share the noise that it is judged by.
 """
 
+import hashlib
+import pickle
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 import bands
@@ -13,7 +16,11 @@ import bpy
 import numpy as np
 import OpenEXR
 import stage as stages
-from stage import Lamp, Matter, Stage, Sun
+from stage import Matter, Stage
+
+BOUNCES = 64
+"""Of each path. Inside a closed white room, 0.9, all further ones together bring 0.9^64 = 0.1 % of
+the light (`tests/test_referee.py` measures it); roulette ends nearly all paths long before."""
 
 
 class Wavelengths:
@@ -25,10 +32,7 @@ class Wavelengths:
     def of(self, spectra: np.ndarray) -> np.ndarray:
         return bands.at_knots(spectra)[..., self.triple]
 
-    def sun(self, sun: Sun) -> np.ndarray:
-        return np.ones(3)
-
-    def lamp(self, lamp: Lamp) -> np.ndarray:
+    def light(self, spectrum: np.ndarray) -> np.ndarray:
         return np.ones(3)
 
     def sky(self, sky: np.ndarray) -> np.ndarray:
@@ -49,11 +53,8 @@ class Today:
     def of(self, spectra: np.ndarray) -> np.ndarray:
         return np.clip(bands.albedo(spectra), 0.0, 1.0)
 
-    def sun(self, sun: Sun) -> np.ndarray:
-        return np.maximum(bands.S @ sun.spectrum, 0.0)
-
-    def lamp(self, lamp: Lamp) -> np.ndarray:
-        return np.maximum(bands.S @ lamp.spectrum, 0.0)
+    def light(self, spectrum: np.ndarray) -> np.ndarray:
+        return np.maximum(bands.S @ spectrum, 0.0)
 
     def sky(self, sky: np.ndarray) -> np.ndarray:
         return np.maximum(sky @ bands.S.T, 0.0)
@@ -68,48 +69,69 @@ class Today:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Linear Rec.709 pictures (h, w, 3) of one stage, each the mean of two seeds.
+    """Linear Rec.709 pictures of one stage.
 
-    ``spectral``, ``rgb``: the truth, and today's way; ``white``: what the perfect diffuser in a
-    surface's place would be under the same light, 0 where nothing matt is seen; ``seeds``: the
-    truth from either seed.
+    ``spectral_seeds``, ``rgb_seeds`` (seeds, h, w, 3): the truth, and today's way, by other seeds;
+    ``white`` (h, w, 3): what the perfect diffuser in a surface's place would be under the same
+    light, 0 where nothing matt is seen; ``direct`` (h, w, 3): the part of it that has not bounced.
     """
 
-    spectral: np.ndarray
-    rgb: np.ndarray
+    spectral_seeds: np.ndarray
+    rgb_seeds: np.ndarray
     white: np.ndarray
-    seeds: tuple[np.ndarray, np.ndarray]
+    direct: np.ndarray
+
+    @property
+    def spectral(self) -> np.ndarray:
+        """The truth, of all seeds (h, w, 3)."""
+        return self.spectral_seeds.mean(axis=0)
+
+    @property
+    def rgb(self) -> np.ndarray:
+        """RGB × RGB in the same light, of all its seeds (h, w, 3)."""
+        return self.rgb_seeds.mean(axis=0)
 
 
-def judge(stage: Stage, samples: int = 256, seeds: tuple[int, ...] = (1, 2)) -> Verdict:
+def judge(stage: Stage, samples: int, seeds: int = 2, bounces: int = BOUNCES) -> Verdict:
     """Render a stage spectrally and as RGB, on the CPU, with ``samples`` a pixel and seed."""
-    sky_light = stage.sky.reshape(-1, stage.sky.shape[-1]).mean(axis=0)
-    lights = {"sky": sky_light}
-    if stage.sun is not None:
-        lights["sun"] = stage.sun.spectrum
-    lights |= {name: lamp.spectrum for name, lamp in stage.lamps.items()}
-    size = len(seeds), stage.camera.height, stage.camera.width
+    lights = stage.lights()
+    size = seeds, stage.camera.height, stage.camera.width
     quotients = {name: np.empty((*size, bands.KNOTS.size)) for name in lights}
     for triple in bands.TRIPLES:
-        stages.build(stage, Wavelengths(triple, sky_light))
-        for k, seed in enumerate(seeds):
-            for name, picture in _render(stage, samples, seed).items():
-                if name in lights:
-                    quotients[name][k][..., triple] = picture
-    truth = {name: bands.from_knots(quotients[name], light) for name, light in lights.items()}
+        stages.build(stage, Wavelengths(triple, lights["sky"]))
+        for seed in range(seeds):
+            rendered = _render(stage, samples, seed, bounces)
+            for name in lights:
+                quotients[name][seed][..., triple] = rendered[name]
+    truth = sum(bands.from_knots(quotients[name], light) for name, light in lights.items())
     stages.build(stage, Today())
-    today = [_render(stage, samples, seed) for seed in seeds]
-    both = sum(truth.values())
+    today = [_render(stage, samples, seeds + seed, bounces) for seed in range(seeds)]
+    mean = {name: np.mean([seed[name] for seed in today], axis=0) for name in today[0]}
     return Verdict(
-        spectral=both.mean(axis=0),
-        rgb=np.mean([sum(seed[name] for name in lights) for seed in today], axis=0),
-        white=np.mean([seed["white"] for seed in today], axis=0),
-        seeds=(both[0], both[-1]),
+        spectral_seeds=truth,
+        rgb_seeds=np.array([sum(seed[name] for name in lights) for seed in today]),
+        white=mean["direct"] + mean["bounced"],
+        direct=mean["direct"],
     )
 
 
-def _render(stage: Stage, samples: int, seed: int) -> dict[str, np.ndarray]:
-    """Return the open scene by light group, and as ``white`` the light on matt surfaces."""
+def judge_once(stage: Stage, samples: int, folder: Path) -> Verdict:
+    """Return `judge`'s verdict, kept in a folder until scene, samples or the referee change."""
+    digest = hashlib.sha256(pickle.dumps((stage, samples, bpy.app.version_string)))
+    for module in (__file__, bands.__file__, stages.__file__):
+        digest.update(Path(module).read_bytes())
+    path = folder / f"referee_{digest.hexdigest()[:16]}.npz"
+    if not path.is_file():
+        verdict = judge(stage, samples)
+        for old in folder.glob("referee_*.npz"):
+            old.unlink()
+        np.savez_compressed(path, **{f.name: getattr(verdict, f.name) for f in fields(verdict)})
+    with np.load(path) as kept:
+        return Verdict(**kept)
+
+
+def _render(stage: Stage, samples: int, seed: int, bounces: int) -> dict[str, np.ndarray]:
+    """Return the open scene by light group, and the ``direct`` and ``bounced`` light on matt."""
     scene, layer = bpy.context.scene, bpy.context.view_layer
     scene.render.engine = "CYCLES"
     cycles = scene.cycles
@@ -117,15 +139,14 @@ def _render(stage: Stage, samples: int, seed: int) -> dict[str, np.ndarray]:
     cycles.use_adaptive_sampling = cycles.use_denoising = False
     cycles.light_sampling_threshold = 0.0
     cycles.sample_clamp_indirect = 0.0
-    cycles.max_bounces = stage.bounces + 4
-    cycles.diffuse_bounces, cycles.glossy_bounces = stage.bounces, 4
-    cycles.transmission_bounces, cycles.transparent_max_bounces = 4, 8
+    cycles.blur_glossy = 0.0
+    for kind in ("max", "diffuse", "glossy", "transmission", "transparent_max"):
+        setattr(cycles, f"{kind}_bounces", bounces)
     # Left to itself Cycles tabulates the sky far finer than it is, for seconds.
     scene.world.cycles.sampling_method = "MANUAL"
     scene.world.cycles.sample_map_resolution = stage.sky.shape[1]
     cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 1.0
     layer.use_pass_diffuse_direct = layer.use_pass_diffuse_indirect = True
-    _light_groups(scene, layer)
     with tempfile.TemporaryDirectory() as folder:
         settings = scene.render.image_settings
         if hasattr(settings, "media_type"):  # Blender 5
@@ -145,16 +166,5 @@ def _render(stage: Stage, samples: int, seed: int) -> dict[str, np.ndarray]:
         )
 
     groups = {group.name: colour(f"Combined_{group.name}") for group in layer.lightgroups}
-    direct = colour("Diffuse Direct", "DiffDir")
-    return {**groups, "white": direct + colour("Diffuse Indirect", "DiffInd")}
-
-
-def _light_groups(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> None:
-    """Give the World and each lamp a light group of its name."""
-    if len(layer.lightgroups):
-        return
-    layer.lightgroups.add(name="sky")
-    scene.world.lightgroup = "sky"
-    for light in (obj for obj in scene.objects if obj.type == "LIGHT"):
-        layer.lightgroups.add(name=light.name)
-        light.lightgroup = light.name
+    passes = {"direct": ("Diffuse Direct", "DiffDir"), "bounced": ("Diffuse Indirect", "DiffInd")}
+    return groups | {name: colour(*names) for name, names in passes.items()}

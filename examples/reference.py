@@ -1,7 +1,8 @@
-"""The same pictures in full spectrum, without Blender and without the add-on's matrices.
+"""The checker in full spectrum, without Blender and without the add-on's matrices.
 
-For every pixel: which surface, its normal, the spectral irradiance of every pixel of the spectral
-sky on it (a plain sum, no polynomial), times the reflectance, seen by the standard observer.
+Its spheres have no neighbours, so no light bounces. For every pixel: which surface, its normal, the
+spectral irradiance of every pixel of the spectral sky on it (a plain sum, no polynomial), times the
+reflectance, seen by the standard observer.
 """
 
 from collections.abc import Iterator
@@ -16,6 +17,7 @@ from geometry import (
     building,
     sphere_centres,
 )
+from scipy.ndimage import binary_erosion
 
 OVERSAMPLING = 4
 """Rays to a pixel, each way: edges are as smooth as Blender's."""
@@ -72,37 +74,31 @@ def checker_normals(camera: Camera = CHECKER_CAMERA) -> tuple[np.ndarray, np.nda
     return surface, normals
 
 
-def building_normals(camera: Camera = BUILDING_CAMERA) -> tuple[np.ndarray, np.ndarray]:
-    """Return for every ray the material it meets, as counted in `building`, and the normal."""
+def building_faces(camera: Camera = BUILDING_CAMERA) -> np.ndarray:
+    """Return for every ray the face of `building` that it meets, counted on, -1 for none."""
     origins, directions = camera.rays(OVERSAMPLING)
     nearest = np.full(origins.shape[:2], np.inf)
-    surface = np.full(origins.shape[:2], -1)
-    normals = np.zeros(origins.shape)
-    for k, triangle in _triangles():
-        a, b, c = triangle
+    face = np.full(origins.shape[:2], -1)
+    for k, (a, b, c) in _triangles():
         normal = np.cross(b - a, c - a)
-        normal /= np.linalg.norm(normal)
-        facing = directions @ normal
         with np.errstate(divide="ignore", invalid="ignore"):
-            distance = (a @ normal - origins @ normal) / facing
+            distance = (a @ normal - origins @ normal) / (directions @ normal)
             hit = (distance > 0) & (distance < nearest)
             for p, q in ((a, b), (b, c), (c, a)):
                 inwards = np.cross(normal, q - p)
                 along = origins @ inwards + distance * (directions @ inwards)
                 hit &= along - p @ inwards >= -1e-9
         nearest[hit] = distance[hit]
-        surface[hit] = k
-        # Blender turns the normal of a face that is seen from behind.
-        normals[hit] = np.where(facing[hit, None] < 0, normal, -normal)
-    return surface, normals
+        face[hit] = k
+    return face
 
 
 def _triangles() -> Iterator[tuple[int, np.ndarray]]:
-    for k, polygons in enumerate(building().values()):
-        for polygon in polygons:
-            corners = np.array(polygon, dtype=float)
-            for i in range(1, len(corners) - 1):
-                yield k, corners[[0, i, i + 1]]
+    polygons = [polygon for part in building().values() for polygon in part]
+    for k, polygon in enumerate(polygons):
+        corners = np.array(polygon, dtype=float)
+        for i in range(1, len(corners) - 1):
+            yield k, corners[[0, i, i + 1]]
 
 
 def picture(
@@ -110,7 +106,7 @@ def picture(
     surface: np.ndarray,
     normals: np.ndarray,
     reflectances: np.ndarray,
-    camera: Camera,
+    camera: Camera = CHECKER_CAMERA,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return the picture (h, w, 3) in linear Rec.709, and that of white surfaces instead.
 
@@ -132,6 +128,12 @@ def picture(
         image[shown] += coverage[shown][:, None] * ((E * reflectance) @ S.T)
         white[shown] += coverage[shown][:, None] * (E @ S.T)
     return image, white
+
+
+def well_inside(surface: np.ndarray) -> np.ndarray:
+    """Return the pixels (h, w) a pixel inside a surface, for Blender's filter reaches as far."""
+    shown = np.unique(surface[surface >= 0])
+    return np.any([binary_erosion(pixel_means(surface == k) == 1) for k in shown], axis=0)
 
 
 def pixel_means(values: np.ndarray) -> np.ndarray:

@@ -1,13 +1,13 @@
 """A scene as plain data, and building it in Blender from what each colour is to be there."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Protocol
 
 import bpy
 import numpy as np
 from geometry import Camera
 from mathutils import Matrix, Vector
-from scenes import place_camera
 
 SUN_ANGLE = np.radians(0.533)
 
@@ -29,6 +29,10 @@ class Matter:
     """(81,), what was measured of a texture's material; None: nothing."""
     behind: str | None = None
     """The pane's matter through which all its light comes; None: it stands outdoors."""
+    emission: np.ndarray | None = None
+    """(81,) radiance of what shines; it reflects nothing."""
+    unmanaged: bool = False
+    """Whether its material is left as it is: what it sends to others counts, itself does not."""
 
     @property
     def measured(self) -> np.ndarray | None:
@@ -40,10 +44,13 @@ class Matter:
 
 @dataclass(frozen=True)
 class Thing:
-    """Quads (corners counter-clockwise from outside), or a ball (centre, radius)."""
+    """Polygons (corners counter-clockwise from outside), or a ball (centre, radius).
+
+    A texture lies on each quad.
+    """
 
     matter: str
-    quads: list = field(default_factory=list)
+    polygons: list = field(default_factory=list)
     ball: tuple | None = None
 
 
@@ -67,7 +74,7 @@ class Sun:
 
 @dataclass(frozen=True)
 class Stage:
-    """A scene: ``sky`` (h, 2h, 81) radiance; ``bounces`` between matt surfaces, 0 for none."""
+    """A scene under a sky (h, 2h, 81) of radiance."""
 
     things: dict[str, Thing]
     matter: dict[str, Matter]
@@ -75,7 +82,17 @@ class Stage:
     camera: Camera
     sun: Sun | None = None
     lamps: dict[str, Lamp] = field(default_factory=dict)
-    bounces: int = 0
+
+    def lights(self) -> dict[str, np.ndarray]:
+        """Return the spectrum (81,) of each light, by the name of its light group.
+
+        Of the sky it is the mean over all directions.
+        """
+        lights = {"sky": self.sky.reshape(-1, self.sky.shape[-1]).mean(axis=0)}
+        if self.sun is not None:
+            lights["sun"] = self.sun.spectrum
+        shining = {n: m.emission for n, m in self.matter.items() if m.emission is not None}
+        return lights | {n: lamp.spectrum for n, lamp in self.lamps.items()} | shining
 
 
 class Palette(Protocol):
@@ -84,11 +101,8 @@ class Palette(Protocol):
     def of(self, spectra: np.ndarray) -> np.ndarray:
         """Return reflectances or transmittances (..., 81) as colours (..., 3)."""
 
-    def sun(self, sun: Sun) -> np.ndarray:
-        """Return the sun's irradiance (3,)."""
-
-    def lamp(self, lamp: Lamp) -> np.ndarray:
-        """Return the colour (3,) of a lamp."""
+    def light(self, spectrum: np.ndarray) -> np.ndarray:
+        """Return the colour (3,) of the sun's, a lamp's or a shining surface's light (81,)."""
 
     def sky(self, sky: np.ndarray) -> np.ndarray:
         """Return the radiance (h, 2h, 3) of a sky."""
@@ -103,19 +117,40 @@ def build(stage: Stage, palette: Palette, sky: str | None = None) -> None:
     scene = bpy.context.scene
     materials = {name: _material(name, m, palette) for name, m in stage.matter.items()}
     for name, thing in stage.things.items():
-        mesh = _ball(*thing.ball) if thing.ball else _quads(thing.quads)
+        mesh = _ball(*thing.ball) if thing.ball else _polygons(thing.polygons)
         mesh.name = name
         mesh.materials.append(materials[thing.matter])
-        scene.collection.objects.link(bpy.data.objects.new(name, mesh))
+        thing_object = bpy.data.objects.new(name, mesh)
+        scene.collection.objects.link(thing_object)
+        if stage.matter[thing.matter].emission is not None:
+            _in_group(thing_object, thing.matter)
     if stage.sun is not None and sky is None:  # else it is in the HDRI
-        light = _light(scene, "sun", "SUN", palette.sun(stage.sun), 1.0)
+        light = _light(scene, "sun", "SUN", palette.light(stage.sun.spectrum), 1.0)
         light.data.angle = SUN_ANGLE
         light.rotation_euler = Vector(stage.sun.direction).to_track_quat("Z", "Y").to_euler()
     for name, lamp in stage.lamps.items():
-        light = _light(scene, name, "POINT", palette.lamp(lamp), lamp.energy)
+        light = _light(scene, name, "POINT", palette.light(lamp.spectrum), lamp.energy)
         light.location, light.data.shadow_soft_size = lamp.location, lamp.radius
     scene.world = _world(image("sky", palette.sky(stage.sky)) if sky is None else _loaded(sky))
-    place_camera(scene, stage.camera)
+    _in_group(scene.world, "sky")
+    _place_camera(scene, stage.camera)
+
+
+def save(path: Path, samples: int, exposure: float = 0.0, shadows: bool = True) -> None:
+    """Save the open scene as an architect has it: Eevee, base colours, lamps, an HDRI.
+
+    Without ``shadows`` no lamp or sun may be there: Eevee prepares them for each sample, lamps or
+    not, which takes a processor more than half of the time.
+    """
+    scene = bpy.context.scene
+    scene.render.engine = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
+    scene.eevee.taa_render_samples = samples
+    scene.eevee.light_threshold = 1e-4  # else Eevee drops lamps as faint as dusk
+    scene.eevee.use_shadows = shadows
+    scene.view_settings.view_transform = "Standard"
+    scene.view_settings.exposure = exposure
+    bpy.context.preferences.filepaths.save_version = 0
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
 
 
 def image(name: str, pixels: np.ndarray) -> bpy.types.Image:
@@ -157,6 +192,9 @@ def _material(name: str, matter: Matter, palette: Palette) -> bpy.types.Material
     tree = node_tree(material)
     if matter.metal is not None:
         shader = palette.metal(tree, matter)
+    elif matter.emission is not None:
+        shader = tree.nodes.new("ShaderNodeEmission")
+        shader.inputs["Color"].default_value = (*palette.light(matter.emission).tolist(), 1.0)
     elif matter.transmittance is not None:
         shader = _pane(tree, palette.of(matter.transmittance), matter.ior)
     elif matter.reflectance.ndim == 3:
@@ -206,12 +244,14 @@ def _pane(tree: bpy.types.NodeTree, colour: np.ndarray, ior: float) -> bpy.types
     return mix
 
 
-def _quads(quads: list) -> bpy.types.Mesh:
-    mesh = bpy.data.meshes.new("quads")
-    corners = [corner for quad in quads for corner in quad]
-    mesh.from_pydata(corners, [], np.arange(len(corners)).reshape(-1, 4).tolist())
-    uv = mesh.uv_layers.new(name="UVMap").data
-    uv.foreach_set("uv", np.tile([0.0, 0, 1, 0, 1, 1, 0, 1], len(quads)))
+def _polygons(polygons: list) -> bpy.types.Mesh:
+    mesh = bpy.data.meshes.new("polygons")
+    ends = np.cumsum([len(polygon) for polygon in polygons])
+    faces = [list(range(end - len(p), end)) for p, end in zip(polygons, ends, strict=True)]
+    mesh.from_pydata([corner for polygon in polygons for corner in polygon], [], faces)
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    uv = np.concatenate([square[: len(polygon)] for polygon in polygons])
+    mesh.uv_layers.new(name="UVMap").data.foreach_set("uv", uv.ravel())
     return mesh
 
 
@@ -230,7 +270,16 @@ def _light(scene, name: str, kind: str, colour, energy: float) -> bpy.types.Obje
     data.color, data.energy = np.asarray(colour).tolist(), energy
     light = bpy.data.objects.new(name, data)
     scene.collection.objects.link(light)
+    _in_group(light, name)
     return light
+
+
+def _in_group(owner, name: str) -> None:
+    """Give what shines a light group of a name; only Cycles knows them."""
+    layer = bpy.context.view_layer
+    if name not in layer.lightgroups:
+        layer.lightgroups.add(name=name)
+    owner.lightgroup = name
 
 
 def _world(sky: bpy.types.Image) -> bpy.types.World:
@@ -245,3 +294,20 @@ def _world(sky: bpy.types.Image) -> bpy.types.World:
         tree.links.new(background.outputs[0], output.inputs["Surface"])
     tree.links.new(texture.outputs["Color"], background.inputs["Color"])
     return world
+
+
+def _place_camera(scene: bpy.types.Scene, camera: Camera) -> None:
+    """Give a scene a camera and its picture's size."""
+    data = bpy.data.cameras.new("Camera")
+    if camera.orthographic:
+        data.type, data.ortho_scale = "ORTHO", camera.scale
+    else:
+        data.lens = data.sensor_width / camera.scale
+    data.clip_end = 1000.0
+    view = bpy.data.objects.new("Camera", data)
+    axes = np.stack([camera.right, camera.up, camera.back, camera.location], axis=1)
+    view.matrix_world = Matrix([*axes.tolist(), [0, 0, 0, 1]])
+    scene.collection.objects.link(view)
+    scene.camera = view
+    scene.render.resolution_x, scene.render.resolution_y = camera.width, camera.height
+    scene.render.filter_size = 1.0
