@@ -68,16 +68,20 @@ class Plan:
     record: LightRecord
 
 
-def make(world: bpy.types.World | None, given: Assignments, settings: Settings) -> Plan:
-    """Plan what materials will show under a World's sky; no data-block changes.
-
-    Raises InputError as `panorama.light_of` and `Settings.transfer` do, and for a material that
-    cannot be changed or shows no metal where it is given one.
-    """
+def check(given: Assignments) -> None:
+    """Raise InputError for a material that cannot be changed or shows no metal it is given."""
     for material, one in given.items():
         spectral_material.check_editable(material)
         if one.metal is not None:
             glass_and_metal.check_metal(material)
+
+
+def make(world: bpy.types.World | None, given: Assignments, settings: Settings) -> Plan:
+    """Plan what materials will show under a World's sky; no data-block changes.
+
+    Raises InputError as `check`, `panorama.light_of` and `Settings.transfer` do.
+    """
+    check(given)
     surfaces = {material: one for material, one in given.items() if not one.faces}
     light = panorama.light_of(world, settings.sensors)
     assert world is not None  # else it had raised

@@ -130,6 +130,7 @@ def making_spectral(
     scene: bpy.types.Scene, given: Assignments, settings: Settings
 ) -> Generator[Progress, None, Outcome]:
     """Do as `make_spectral` does, yielding after each material."""
+    planning.check(given)  # before the World is touched
     plan = planning.make(develop(scene, settings), given, settings)
     results = yield from write(plan)
     return Outcome(plan.light, results)
