@@ -48,6 +48,27 @@ def test_toml_dates_and_times_without_quotes(folder):
     assert read_study(path).skies[0] == sky
 
 
+def test_a_variant_names_glass_metal_panes_and_estimates(folder):
+    metal = "".join(f"{nm},{0.2 + nm / 4000},{2 + nm / 500}\n" for nm in range(380, 781, 20))
+    (folder / "gold.csv").write_text("nm,n,k\n" + metal)
+    (folder / "parts.csv").write_text(
+        "material,reflectance,glass,metal,behind,pane\n"
+        "Wall,paint.csv:red,,,paint.csv:grey,\n"
+        "Pane,,paint.csv:grey,,,block\n"
+        "Handle,,,gold.csv,,\n"
+        "Floor,estimate,,,,\n"
+    )
+    study = read_study(write_study(folder, variants=[{"name": "x", "assign": "parts.csv"}]))
+    given = study.variants[0].given
+    assert given["Floor"] is None and given["Wall"].name == "red behind grey"
+    assert given["Pane"].faces == 2 and given["Handle"].metal is not None
+    # Another pane is another variant: its pictures are made anew.
+    text = (folder / "parts.csv").read_text().replace(",block", ",face")
+    (folder / "parts.csv").write_text(text)
+    again = read_study(write_study(folder, variants=[{"name": "x", "assign": "parts.csv"}]))
+    assert again.variants[0].content != study.variants[0].content
+
+
 def test_a_reflectance_is_found_beside_the_assignment_or_the_study(folder):
     inner = folder / "variants"
     inner.mkdir()
