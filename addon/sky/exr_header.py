@@ -90,9 +90,13 @@ class Part:
 
     @property
     def decoded(self) -> int:
-        """Bytes of all its pixels."""
+        """Bytes of all its pixels, those of whole tiles included: readers make room for these."""
         left, top, right, bottom = self.data_window
-        pixels = (right - left + 1) * (bottom - top + 1)
+        width, height = right - left + 1, bottom - top + 1
+        if self.tiles:
+            across, down = struct.unpack_from("<2I", self.tiles)
+            width, height = -(-width // across) * across, -(-height // down) * down
+        pixels = width * height
         return sum(
             pixels * (2 if channel.kind == 1 else 4) // (channel.sampling[0] * channel.sampling[1])
             for channel in self.channels
@@ -251,6 +255,8 @@ def _check(part: Part) -> None:
     part.deep = kind in ("deepscanline", "deeptile")
     if not kind.endswith(("tile", "tiledimage")) and kind:
         part.tiles = b""
+    if part.tiles and not all(struct.unpack("<2IB", part.tiles)[:2]):
+        raise _Damaged("its tiles have no size")
 
 
 def _count(part: Part, source: _Source) -> int:
@@ -275,7 +281,7 @@ def _count(part: Part, source: _Source) -> int:
 def _tiles(part: Part) -> int:
     """Return how many tiles a part has in all levels."""
     across, down, mode = struct.unpack("<2IB", part.tiles)
-    if not (across and down) or mode & 15 > 2 or mode >> 4 > 1:
+    if mode & 15 > 2 or mode >> 4 > 1:
         raise _Damaged(f"its tiles are {across} x {down} of mode {mode}")
     left, top, right, bottom = part.data_window
     width, height = right - left + 1, bottom - top + 1

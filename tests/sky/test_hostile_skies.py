@@ -159,6 +159,10 @@ def test_exr_that_claims_more_than_it_holds(files, tmp_path):
     for mode in (0x20, 0xF1, 0xF2, 3):  # of levels and rounding that there are none
         path.write_bytes(tiles[: place + 8] + bytes([mode]) + tiles[place + 9 :])
         assert "header" in outcome(path)[0]
+    for side in (1 << 15, 1 << 24, (1 << 32) - 1):  # a reader would make room for such a tile
+        path.write_bytes(tiles[:place] + 2 * struct.pack("<I", side) + tiles[place + 8 :])
+        found, peak = outcome(path)
+        assert "claims" in found and peak < 1 << 20
     path.write_bytes(whole[:8] + b"a\0string\0" + struct.pack("<i", 1 << 30))
     assert "header" in outcome(path)[0]
 
