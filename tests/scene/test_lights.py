@@ -162,7 +162,7 @@ def test_a_texture_carries_the_spectrum(stage):
     np.testing.assert_allclose(mean, ramp[:, :3].mean(axis=0), rtol=1e-5)
     light, seen = shoot(stage, "eevee", rho=GREEN, ground="hdri")
     transfer = Settings().transfer(light)
-    varied = base_color.varied(material, "test", GREEN)
+    varied = base_color.varied(material, Assignment("test", GREEN))
     np.testing.assert_allclose(mean @ varied, GREEN, atol=1e-9)
     for x in (40, 50, 60):
         rho = ramp[x, :3] @ varied
