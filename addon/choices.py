@@ -46,11 +46,13 @@ def items(choices: Choices, *, upper: bool = False) -> tuple[tuple[str, str, str
 
 BASES: Choices = {
     "rayleigh": Entry(
-        "Rayleigh", "Sunlight scattered by air never, once and twice: for clear skies"
+        "Rayleigh", "Sunlight that air scatters not at all, once and twice. For clear skies"
     ),
-    "daylight": Entry("CIE Daylight", "The CIE daylight functions: measured days, also overcast"),
+    "daylight": Entry(
+        "CIE Daylight", "CIE daylight functions, from measured days. Also for overcast"
+    ),
     "atmosphere": Entry(
-        "Atmosphere", "Simulated light of all kinds at this sun's elevation: also for low suns"
+        "Atmosphere", "Simulated skylight for the sun's elevation. Also for a low sun"
     ),
 }
 """Each is a function of `spectra.bases`, of this name."""
@@ -63,7 +65,7 @@ SIMPLEST = "simplest"
 
 def offered_bases() -> Choices:
     """Return the bases with `SIMPLEST` before them, which `transfer.choice` makes one of them."""
-    chosen = Entry("Simplest", "Rayleigh where it keeps to the tolerance, else Atmosphere")
+    chosen = Entry("Simplest", "Rayleigh where it meets the tolerance, else Atmosphere")
     return {SIMPLEST: chosen, **BASES}
 
 
@@ -71,15 +73,23 @@ OPEN, DOME, BAKED = "open", "dome", "baked"
 
 OCCLUSIONS: Choices = {
     OPEN: Entry("Open Sky", "The whole sky lights every face; only the sun casts shadows"),
-    DOME: Entry("Live", "24 soft suns cast the sky's shadows in Eevee, also of moving objects"),
-    BAKED: Entry("Baked", "Shadows baked for each vertex: exact, nearly free, in both engines"),
+    DOME: Entry(
+        "Live", "24 soft sun lamps cast the sky's shadows in Eevee, also of moving objects"
+    ),
+    BAKED: Entry(
+        "Baked", "Each vertex stores the sky that it sees: exact and fast in Eevee and Cycles"
+    ),
 }
 """How geometry that hides the sky darkens materials."""
 
 GROUNDS: Choices = {
-    "auto": Entry("Automatic", "The modelled ground where geometry lies under the materials"),
-    "hdri": Entry("From the HDRI", "What the lower half of the HDRI shows"),
-    "modelled": Entry("Modelled", "Level ground of the reflectance that lies under the materials"),
+    "auto": Entry(
+        "Automatic", "Modeled where geometry lies under the materials, else from the HDRI"
+    ),
+    "hdri": Entry("From the HDRI", "The lower half of the HDRI"),
+    "modelled": Entry(
+        "Modeled", "Level ground with the reflectance of the geometry under the materials"
+    ),
     "none": Entry("None", "No light comes from below"),
 }
 """Where light from below comes from."""
@@ -91,8 +101,8 @@ ENGINES: Choices = {
 
 SPACES: Choices = {
     "Linear Rec.709": Entry("Rec.709", "Blender's default"),
-    "Linear Rec.2020": Entry("Rec.2020", "A wide gamut, of television"),
-    "ACEScg": Entry("ACEScg", "A wide gamut, of film"),
+    "Linear Rec.2020": Entry("Rec.2020", "Wide gamut, for television"),
+    "ACEScg": Entry("ACEScg", "Wide gamut, for film"),
 }
 """Blender's working spaces, by its own names."""
 
@@ -109,15 +119,17 @@ UNITS: Choices = {
 """Of reflectances and transmittances."""
 
 KINDS: Choices = {
-    "REFLECTANCE": Entry("Reflectance", "A surface: the share of each wavelength it reflects"),
-    "GLASS": Entry("Glass", "A pane: the share of each wavelength it transmits, face on"),
-    "METAL": Entry("Metal", "A polished metal: its refractive index n and extinction k"),
+    "REFLECTANCE": Entry("Reflectance", "A surface: the fraction of light that it reflects"),
+    "GLASS": Entry("Glass", "A pane: the fraction of light that it transmits at normal incidence"),
+    "METAL": Entry(
+        "Metal", "A polished metal: its refractive index n and extinction coefficient k"
+    ),
 }
 """What a material's file holds, by identifiers that blend files and scripts of the panel hold."""
 
 PANES: Choices = {
     "FACE": Entry("Single Face", "Each face of the mesh is a whole pane"),
-    "BLOCK": Entry("Closed Block", "The mesh has a face on either side of the pane"),
+    "BLOCK": Entry("Closed Block", "The mesh has faces on both sides of the pane"),
 }
 """How glass is modelled, by the panel's identifiers."""
 

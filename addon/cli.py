@@ -75,9 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """Return the parser of the command that is asked for, or of all where none is."""
     first = next(iter(arguments), "")
-    parser = _Parser(
-        prog="spectral-skylight", description="Spectrally correct colours under skies."
-    )
+    parser = _Parser(prog="spectral-skylight", description="Spectrally correct colors under skies.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
     for name in [first] if first in COMMANDS else COMMANDS:
         import_module(f".commands.{name}", __package__).add(commands)

@@ -67,7 +67,7 @@ def test_matrix_predicts_under_a_sky(capsys, csv, sky):
 
 def test_matrix_for_people(capsys, csv, sky):
     code, out, err = run(capsys, "matrix", csv, "--sky", sky)
-    assert code == 0 and "3x3, ΔE 0." in out and "RGB would be" in out
+    assert code == 0 and "3x3, ΔE 0." in out and "RGB × RGB " in out
     assert "read as fraction" in err
 
 
@@ -87,7 +87,7 @@ def test_matrix_with_a_tolerance_takes_the_least_model(capsys, csv, sky):
 def test_a_sky_of_no_sky_s_colour_is_unknown(capsys, csv):
     found = json.loads(run(capsys, "matrix", csv, "--sky-rgb", "0.1,1,0.1", "--json")[1])
     red = found["materials"][0]
-    assert "predicted_delta_E" not in red and "no colour of skylight" in red["unknown"]
+    assert "predicted_delta_E" not in red and "not a color of skylight" in red["unknown"]
 
 
 @pytest.mark.parametrize("rgb", ["nan,1,1", "1,inf,1"])
@@ -158,7 +158,7 @@ WRONG = {
     "no file": (["matrix"], "required"),
     "missing file": (["matrix", "none.csv", "--json"], "none.csv"),
     "unknown basis": (["matrix", "CSV", "--basis", "fourier"], "rayleigh"),
-    "chart into a file": (["chart", "--out", "CSV"], "cannot be made a folder"),
+    "chart into a file": (["chart", "--out", "CSV"], "cannot be created as a folder"),
     "tolerance without end": (["matrix", "CSV", "--tolerance", "inf"], "above 0"),
     "tolerance of nothing": (["matrix", "CSV", "--tolerance", "0"], "above 0"),
     "unknown space": (["matrix", "CSV", "--space", "sRGB"], "ACEScg"),

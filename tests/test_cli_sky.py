@@ -117,7 +117,7 @@ def test_a_white_balance_is_said_and_undone(tmp_path, capsys, balanced):
     assert not any("balance" in note for note in found("sky.exr")["notes"])
     warned = found("grey.exr")
     assert warned["white"] is None
-    assert any("looks white-balanced" in note for note in warned["notes"])
+    assert any("appears white-balanced" in note for note in warned["notes"])
     undone = found("grey.exr", "--white", "auto")
     # A standard deviation of the estimate is some 0.1 of each channel.
     np.testing.assert_allclose(undone["white"], white, rtol=0.25)
@@ -125,7 +125,7 @@ def test_a_white_balance_is_said_and_undone(tmp_path, capsys, balanced):
     assert any("estimated from the sky" in note for note in undone["notes"])
     none = found("sky.exr", "--white", "auto")
     assert none["white"] is None
-    assert any("no white balance is seen" in note for note in none["notes"])
+    assert any("no white balance is undone" in note for note in none["notes"])
 
 
 def test_matrices_of_a_balanced_sky(tmp_path, capsys, balanced):
@@ -140,7 +140,7 @@ def test_matrices_of_a_balanced_sky(tmp_path, capsys, balanced):
 
     warned, undone = found("grey.exr"), found("grey.exr", "--white", "auto")
     told = found("grey.exr", "--white", ",".join(map(str, white)))
-    assert any("looks white-balanced" in note for note in warned["notes"])
+    assert any("appears white-balanced" in note for note in warned["notes"])
     assert any("estimated from the sky" in note for note in undone["notes"])
     assert told["notes"] == [] and told["white"] == pytest.approx(white.tolist(), rel=1e-5)
     off, mended = (

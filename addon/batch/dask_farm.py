@@ -56,7 +56,7 @@ class Blenders(WorkerPlugin):
         self.stopped = False
         blender_command(self.blender)
         if not Path(self.root).is_dir():
-            raise InputError(self.root, "is no folder of this worker", "share it")
+            raise InputError(self.root, "is not a folder on this worker", "share it")
         threads = worker.state.nthreads
         self.threads = 0 if threads == 1 else max(1, (os.cpu_count() or 1) // threads)
         await worker.set_resources(**{self.name: threads})
@@ -195,7 +195,9 @@ def _scheduler_there() -> Iterator[None]:
     try:
         yield
     except (OSError, RuntimeError, KeyError):
-        said = "Dask's scheduler has gone: what was rendered stays; start it, then run again"
+        said = (
+            "the Dask scheduler has stopped. Finished pictures are kept; start it, then run again"
+        )
         raise ConnectionError(said) from None
 
 

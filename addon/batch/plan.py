@@ -124,7 +124,7 @@ def read_header(path: str | Path) -> dict[str, Any]:
     except OSError as error:
         raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from None
     except (ValueError, KeyError, TypeError):
-        raise InputError(path, "is no plan", "make one by batch plan STUDY.toml") from None
+        raise InputError(path, "is not a plan", "make one with batch plan STUDY.toml") from None
     if header["version"] != VERSION:
         raise InputError(path, f"is of version {header['version']}", "plan the study again")
     return header
@@ -143,4 +143,4 @@ def read_tasks(path: str | Path, first: int = 0, count: int | None = None) -> It
                 yield task_of(line)
             except (ValueError, TypeError, KeyError):
                 cure = "plan the study again"
-                raise InputError(f"{path}, line {number}", "is no task", cure) from None
+                raise InputError(f"{path}, line {number}", "is not a task", cure) from None

@@ -41,7 +41,8 @@ def _summary(found: dict[str, Any]) -> str:
     tiles += [(escape(", ".join(found["blender"])), "Blender")] if found["blender"] else []
     parts = "".join(f"<div><b>{value}</b>{name}</div>" for value, name in tiles)
     several = (
-        "<p class=bad>Several builds of Blender rendered: alike, but not the same bytes.</p>"
+        "<p class=bad>Several builds of Blender rendered these pictures. They look alike, but "
+        "their bytes differ.</p>"
         if len(found["blender"]) > 1
         else ""
     )
@@ -83,9 +84,9 @@ def _colours(found: dict[str, Any]) -> str:
     if not parts:
         return ""
     return (
-        "<h2>Colours and errors</h2><p>Each material on level ground in each sky's own light, the "
-        "sun's left out; the CIEDE2000 expected of its colour, in brackets what RGB × RGB would "
-        "leave.</p>" + "".join(parts)
+        "<h2>Colors and errors</h2><p>Each material on level ground under each sky without its "
+        "sun, with its expected error (CIEDE2000). In brackets: the error of RGB × RGB.</p>"
+        + "".join(parts)
     )
 
 

@@ -57,11 +57,11 @@ def _look(study: Study, path: Path) -> SceneFile:
         made = ".".join(map(str, bpy.data.version[:2]))
         raise InputError(
             path,
-            f"was saved by Blender {made}, and this is {bpy.app.version_string}",
+            f"was saved by Blender {made}, but this is {bpy.app.version_string}",
             f"use Blender {made}",
         )
     if missing := render_task.missing_files():
-        raise InputError(path, f"misses {', '.join(missing)}", "restore or pack them")
+        raise InputError(path, f"lacks {', '.join(missing)}", "restore or pack them")
     cameras = [obj.name for obj in scene.objects if obj.type == "CAMERA"]
     for name in study.cameras or ():
         if name not in cameras:

@@ -30,7 +30,7 @@ from ..transfer.assignment_table import read_table
 from .toml_table import Table, read_toml
 
 KEYS = {
-    "out": "folder for everything that comes of the study",
+    "out": "folder for everything that the study writes",
     "scenes": "blend files",
     "cameras": 'names, or "all"',
     "skies": "HDRI files, or tables",
@@ -40,11 +40,11 @@ KEYS = {
     "resolution": "[width, height]",
     "frames": "numbers; the scene's current one",
     "white": "[R, G, B] or auto, as of apply",
-    "sun": "whether HDRIs' suns shine; true",
+    "sun": "whether the sun of each HDRI shines; true",
     "ground": listed(GROUNDS),
     "occlusion": listed(OCCLUSIONS),
-    "bounce": "whether a bake holds one bounce",
-    "gloss": "whether materials keep gloss",
+    "bounce": "whether bakes include one bounce",
+    "gloss": "whether materials keep their gloss",
     "basis": f"{listed(offered_bases())}; {BASIS}",
     "tolerance": "CIEDE2000",
     "quality": f"of simulated skies: {listed(QUALITIES)}",
@@ -173,7 +173,7 @@ def _settings(table: Table) -> dict[str, Any]:
         "tolerance": table.number("tolerance", 1e-6, 100.0, None),
     }
     if found["bounce"] and found["occlusion"] != BAKED:
-        table.wrong("bounce", 'is part of a bake: add occlusion = "baked"')
+        table.wrong("bounce", 'needs baked sky shadows: add occlusion = "baked"')
     return found
 
 

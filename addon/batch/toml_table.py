@@ -23,7 +23,7 @@ class Table:
             if key not in (known := list(known)):
                 near = difflib.get_close_matches(key, known, 1, 0.5)
                 cure = f'did you mean "{near[0]}"?' if near else f"known are {', '.join(known)}"
-                raise InputError(f'{place}, "{key}"', "is no key of this table", cure)
+                raise InputError(f'{place}, "{key}"', "is not a key of this table", cure)
 
     def wrong(self, key: str, cure: str) -> NoReturn:
         """Raise what says that a key's value, or its absence, will not do."""
@@ -83,7 +83,7 @@ def read_toml(path: Path, known: Iterable[str]) -> Table:
     except UnicodeDecodeError:
         raise InputError(path, "is not UTF-8 text", "save it as UTF-8") from None
     except tomllib.TOMLDecodeError as error:
-        raise InputError(path, f"is no TOML: {error}", "see https://toml.io") from None
+        raise InputError(path, f"is not TOML: {error}", "see https://toml.io") from None
     return Table(str(path), values, known)
 
 

@@ -38,7 +38,7 @@ def blender_command(blender: str | Path | None = None) -> list[str]:
         found = shutil.which(str(blender))
         if found is None:
             raise InputError(
-                blender, "is no Blender that can be started", f"check {parameter('blender')}"
+                blender, "is not a Blender that can be started", f"check {parameter('blender')}"
             )
         return [found, *PLAIN]
     if importlib.util.find_spec("bpy") is not None:
@@ -81,13 +81,13 @@ class Worker:
             answer = self._answers.get(timeout=timeout)
         except queue.Empty:
             self.kill()
-            return _failure(task, f"was not done within {timeout:g} s")
+            return _failure(task, f"did not finish within {timeout:g} s")
         except OSError as error:
             self.kill()
-            return _failure(task, f"Blender cannot be started or has gone ({error})")
+            return _failure(task, f"Blender cannot be started or has stopped ({error})")
         if answer is None:
             code = self.kill()
-            return _failure(task, f"Blender died with exit code {code}{self._last_words()}")
+            return _failure(task, f"Blender stopped with exit code {code}{self._last_words()}")
         return json.loads(answer)
 
     def close(self) -> None:

@@ -27,14 +27,14 @@ def add(commands: Commands) -> None:
         default=[],
         type=_assignment,
         metavar="MATERIAL=FILE.csv[:COLUMN]",
-        help="may be given many times; a texture of its base colour varies it",
+        help="may be repeated; a base color texture varies the reflectance",
     )
     parser.add_argument(
         "--estimate",
         action="append",
         default=[],
         metavar="MATERIAL",
-        help="restore a reflectance from the material's own base colour or texture",
+        help="estimate a reflectance from the material's base color or texture",
     )
     parser.add_argument(
         "--metal",
@@ -42,7 +42,7 @@ def add(commands: Commands) -> None:
         default=[],
         type=_assignment,
         metavar="MATERIAL=NK.csv",
-        help="a metal by its n and k; the material's own Metallic says where",
+        help="a metal by its n and k, applied where the material is Metallic",
     )
     parser.add_argument(
         "--glass",
@@ -50,7 +50,7 @@ def add(commands: Commands) -> None:
         default=[],
         type=_assignment,
         metavar="MATERIAL=FILE.csv[:COLUMN]",
-        help="a glazing by its transmittance, measured at normal incidence",
+        help="glass by its transmittance at normal incidence; each face is a pane",
     )
     parser.add_argument(
         "--glass-block",
@@ -58,17 +58,17 @@ def add(commands: Commands) -> None:
         default=[],
         type=_assignment,
         metavar="MATERIAL=FILE.csv[:COLUMN]",
-        help="as --glass, of a mesh that has a face on either side of the pane",
+        help="as --glass, for a mesh with faces on both sides of the pane",
     )
     parser.add_argument(
         "--assignments",
         metavar="FILE.csv",
-        help="a table of materials and what they are given; the options above go before it",
+        help="read a table of materials and their assignments; options above take precedence",
     )
     parser.add_argument(
         "--write-assignments",
         metavar="FILE.csv",
-        help="write what all materials have been given as such a table too",
+        help="also write the assignments of all spectral materials as such a table",
     )
     parser.add_argument(
         "--behind",
@@ -76,12 +76,12 @@ def add(commands: Commands) -> None:
         default=[],
         type=_assignment,
         metavar="MATERIAL=FILE.csv[:COLUMN]",
-        help="a material with a reflectance is lit through a glazing of this transmittance alone",
+        help="all light on the material passes through glass of this transmittance",
     )
     add_matrix_options(parser)
-    parser.add_argument("--space", metavar="NAME", help="checked against the file's working space")
+    parser.add_argument("--space", metavar="NAME", help="must match the working space of the file")
     parser.add_argument(
-        "--no-sun", action="store_true", help="leave the HDRI's sun off the materials"
+        "--no-sun", action="store_true", help="exclude the HDRI's sun from spectral materials"
     )
     parser.add_argument(
         "--lamp",
@@ -95,21 +95,23 @@ def add(commands: Commands) -> None:
         "--ground",
         choices=tuple(GROUNDS),
         default=default(GROUNDS),
-        help=f"light from below. {described(GROUNDS)}",
+        help=f"source of the light from below. {described(GROUNDS)}",
     )
     parser.add_argument(
         "--occlusion",
         choices=tuple(OCCLUSIONS),
         default=default(OCCLUSIONS),
-        help=f"shadows of the sky. {described(OCCLUSIONS)}",
+        help=f"sky shadows. {described(OCCLUSIONS)}",
     )
     parser.add_argument(
         "--bounce",
         action="store_true",
-        help="bake what one bounce between materials brings too",
+        help="also bake the light that spectral materials reflect onto each other",
     )
     parser.add_argument(
-        "--gloss", action="store_true", help="keep the gloss and metal of the materials"
+        "--gloss",
+        action="store_true",
+        help="keep the specular and metallic layers of the materials",
     )
     parser.add_argument("--out", required=True, metavar="OUT.blend")
     parser.set_defaults(run=run)
@@ -128,7 +130,7 @@ def _settings(options: argparse.Namespace) -> Settings:
     from ..transfer.white import AUTO
 
     if options.bounce and options.occlusion != BAKED:
-        raise InputError("--bounce", "is part of a bake", "add --occlusion baked")
+        raise InputError("--bounce", "needs baked sky shadows", "add --occlusion baked")
     return Settings(
         basis=basis_name(options),
         camera=options.camera,
@@ -154,10 +156,10 @@ def _read(options: argparse.Namespace) -> dict[str, Assignment | None]:
     named = [name for name, _ in (*options.assign, *options.metal, *options.glass)]
     named += [name for name, _ in options.glass_block] + options.estimate
     if not (named or options.assignments):
-        raise InputError("--assign", "names no material", "give MATERIAL=FILE.csv or --estimate")
+        raise InputError("--assign", "assigns no material", "give MATERIAL=FILE.csv or --estimate")
     for name in named:
         if named.count(name) > 1:
-            raise InputError(f"--assign {name}", "is given twice", "give each material once")
+            raise InputError(f"--assign {name}", "is repeated", "give each material once")
     given: dict[str, Assignment | None] = {}
     if options.assignments:
         given |= read_table(Path(options.assignments))
@@ -173,7 +175,7 @@ def _read(options: argparse.Namespace) -> dict[str, Assignment | None]:
     for name, file in options.behind:
         surface = given.get(name)
         if surface is None or surface.faces:
-            raise InputError(f"--behind {name}", "has no reflectance", "give it one by --assign")
+            raise InputError(f"--behind {name}", "has no reflectance", "give it one with --assign")
         glass = assignment.read(file, unit=options.unit, faces=assignment.SINGLE_FACE)
         given[name] = surface.lit_through(glass)
     return given
@@ -193,7 +195,7 @@ def run(options: argparse.Namespace) -> None:
         raise InputError(
             options.scene,
             f"its working space is {working_space.name()}, not {options.space}",
-            "leave --space out",
+            "omit --space",
         )
     for name, spectrum in options.lamp:
         file = Path(spectrum)  # the blend file may move

@@ -46,7 +46,9 @@ def folder(path: str) -> Path:
             each.rmdir()
     except OSError as error:
         raise InputError(
-            path, f"cannot be made a folder ({error.strerror})", "give --out another one"
+            path,
+            f"cannot be created as a folder ({error.strerror})",
+            "choose another folder for --out",
         ) from None
     return found
 
@@ -74,7 +76,7 @@ def positive(text: str) -> float:
     except ValueError:
         value = 0.0
     if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"'{text}' is no number above 0")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number above 0")
     return value
 
 
@@ -93,8 +95,8 @@ def add_matrix_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--basis",
         metavar="NAME",
-        help=f"{described(offered_bases())}; measured FILE.csv: that of measured spectra. "
-        f"Default: {BASIS}, with a tolerance {SIMPLEST}",
+        help=f"{described(offered_bases())}; measured FILE.csv: a basis from measured spectra. "
+        f"Default: {BASIS}, with --tolerance: {SIMPLEST}",
     )
     parser.add_argument(
         "--tolerance",
@@ -102,21 +104,22 @@ def add_matrix_options(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         const=0.5,
         metavar="CIEDE2000",
-        help="choose for each material the least model that keeps to it (0.5 without a number)",
+        help="largest color error (CIEDE2000); each material uses the simplest model within it "
+        "(0.5 if no number is given)",
     )
     parser.add_argument(
-        "--sun-elevation", type=float, metavar="DEG", help="default: where the HDRI has it"
+        "--sun-elevation", type=float, metavar="DEG", help="in degrees; default: found in the HDRI"
     )
-    parser.add_argument("--camera", metavar="NAME|FILE", help="what took a raw HDRI")
+    parser.add_argument("--camera", metavar="NAME|FILE", help="camera of an HDRI in raw camera RGB")
     parser.add_argument(
         "--white",
         type=white_or_auto,
         metavar="R,G,B|auto",
-        help="neutral light before white balance; auto: estimated from the sky",
+        help="RGB of neutral light before white balance; auto: estimated from the sky",
     )
     add_unit(parser)
 
 
 def add_unit(parser: argparse.ArgumentParser) -> None:
     """Add the unit that reflectances are in where their file does not say."""
-    parser.add_argument("--unit", choices=tuple(UNITS), help="of the reflectances")
+    parser.add_argument("--unit", choices=tuple(UNITS), help="unit of the reflectances")

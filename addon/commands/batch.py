@@ -18,29 +18,37 @@ from .arguments import Commands, option
 
 def add(commands: Commands) -> None:
     """Add the command, and those under it, to those of the parser."""
-    parser = commands.add_parser("batch", help="many pictures, here or on a farm")
+    parser = commands.add_parser(
+        "batch", help="render many pictures, on this machine or a render farm"
+    )
     parser.set_defaults(parameter_name=_parameter_name)
     steps = parser.add_subparsers(required=True, metavar="plan|run|report|flamenco")
-    plan = steps.add_parser("plan", help="check a study and list its pictures")
+    plan = steps.add_parser("plan", help="check a study and list its pictures in a plan")
     plan.add_argument("study", metavar="STUDY.toml")
     plan.add_argument(
-        "--prepare", action="store_true", help="make ready what a farm's workers open, too"
+        "--prepare", action="store_true", help="also prepare the files that render workers open"
     )
     plan.set_defaults(run=_plan)
-    run = steps.add_parser("run", help="render what of a study is not there yet")
+    run = steps.add_parser("run", help="render the missing pictures of a study")
     run.add_argument("study", metavar="STUDY.toml|PLAN.jsonl")
     where = run.add_mutually_exclusive_group()
-    where.add_argument("--workers", type=_count, help="processes; default: as many as are useful")
     where.add_argument(
-        "--scheduler", metavar="tcp://HOST:8786", help="of Dask, whose workers render"
+        "--workers", type=_count, help="number of processes; default: chosen automatically"
+    )
+    where.add_argument(
+        "--scheduler",
+        metavar="tcp://HOST:8786",
+        help="address of the Dask scheduler whose workers render",
     )
     run.add_argument(
-        "--blender", metavar="PATH", help="executable, where it is rendered; default: this Blender"
+        "--blender",
+        metavar="PATH",
+        help="Blender executable on the rendering machine; default: this Blender",
     )
-    run.add_argument("--timeout", type=float, metavar="SECONDS", help="of one picture")
-    run.add_argument("--dry-run", action="store_true", help="only say what would be rendered")
+    run.add_argument("--timeout", type=float, metavar="SECONDS", help="time limit for one picture")
+    run.add_argument("--dry-run", action="store_true", help="only list what would be rendered")
     run.set_defaults(run=_run)
-    report = steps.add_parser("report", help="write report.html and report.json of a plan")
+    report = steps.add_parser("report", help="write report.html and report.json for a plan")
     report.add_argument("plan", metavar="PLAN.jsonl|STUDY.toml")
     report.set_defaults(run=_report)
     batch_flamenco.add(steps)
@@ -55,7 +63,7 @@ def _parameter_name(parameter: str) -> str:
 
 def _count(text: str) -> int:
     if not text.isdecimal() or not 1 <= int(text) <= 1024:
-        raise argparse.ArgumentTypeError(f"'{text}' is no number of processes")
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of processes")
     return int(text)
 
 
@@ -181,12 +189,14 @@ def _folder(given: str) -> Path:
 def _say(path: Path, outcome: Any) -> None:
     """Print what came of it; raise where not all pictures are there."""
     failed, page = len(outcome.failures), path.with_name("report.html")
-    print(f"{outcome.rendered} rendered, {outcome.skipped} were there, {failed} failed")
+    print(f"{outcome.rendered} rendered, {outcome.skipped} already done, {failed} failed")
     print(page)
     for failure in outcome.failures[:20]:
         print(failure, file=sys.stderr)
     if outcome.stopped:
-        raise OSError(f"{outcome.stopped}; {outcome.left} pictures are left: make room, run again")
+        raise OSError(
+            f"{outcome.stopped}; {outcome.left} pictures are left: free disk space and run again"
+        )
     if not outcome.complete:
         raise OSError(f"{failed} picture(s) failed, see {page}")
 
@@ -201,7 +211,7 @@ def _report(options: argparse.Namespace) -> None:
     print(", ".join(f"{count} {status}" for status, count in counts.items()))
     print(path.with_name("report.html"))
     if set(counts) != {"done"}:
-        raise OSError("not all pictures are there")
+        raise OSError("some pictures are missing")
 
 
 @contextlib.contextmanager

@@ -11,18 +11,26 @@ from .arguments import Commands
 
 def add(steps: Commands) -> None:
     """Add the command to those of `batch`."""
-    parser = steps.add_parser("flamenco", help="a plan as a job for Flamenco 3")
-    parser.add_argument("plan", metavar="PLAN.jsonl", help="prepared: batch plan --prepare")
+    parser = steps.add_parser("flamenco", help="submit a plan as a job to Flamenco 3")
     parser.add_argument(
-        "--manager", metavar="http://HOST:8080", help="send it there; default: print it as JSON"
+        "plan", metavar="PLAN.jsonl", help="plan, prepared with batch plan --prepare"
     )
-    parser.add_argument("--together", type=int, default=12, help="pictures of one task at most")
     parser.add_argument(
-        "--workers", type=int, help="the farm's; default: those that the Manager knows, or 10"
+        "--manager",
+        metavar="http://HOST:8080",
+        help="URL of the Flamenco Manager; default: print the job as JSON",
+    )
+    parser.add_argument(
+        "--together", type=int, default=12, help="largest number of pictures per task"
+    )
+    parser.add_argument(
+        "--workers",
+        type=int,
+        help="number of workers; default: as registered at the Manager, or 10",
     )
     parser.add_argument("--priority", type=int, default=50)
     parser.add_argument(
-        "--report", action="store_true", help="a worker that has this command writes the report"
+        "--report", action="store_true", help="let a worker that has this command write the report"
     )
     parser.set_defaults(run=run)
 
@@ -34,7 +42,7 @@ def run(options: argparse.Namespace) -> None:
 
     for option in ("together", "workers"):
         if (number := getattr(options, option)) is not None and number < 1:
-            raise InputError(f"--{option}", f"{number} are none", "use 1 or more")
+            raise InputError(f"--{option}", f"{number} is too small", "use 1 or more")
     workers = options.workers or submit.WORKERS
     if options.manager and options.workers is None:
         workers = submit.workers_of(options.manager)

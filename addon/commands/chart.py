@@ -12,25 +12,40 @@ from .arguments import Commands, add_unit, chosen_reflectances, folder
 
 def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
-    parser = commands.add_parser("chart", help="accuracy against speed, of every method")
-    parser.add_argument("--out", required=True, metavar="DIR", help="picture and tables go here")
+    parser = commands.add_parser("chart", help="chart accuracy against speed for all methods")
+    parser.add_argument(
+        "--out", required=True, metavar="DIR", help="folder for the chart and its tables"
+    )
     parser.add_argument(
         "--skies",
         nargs="+",
         type=float,
         metavar="DEG",
-        help="sun elevations of the skies; default: -4 0 5 15 30 60",
+        help="sun elevations in degrees; default: -4 0 5 15 30 60",
     )
     parser.add_argument(
-        "--reflectances", nargs="+", metavar="FILE.csv", help="default: the ColorChecker"
+        "--reflectances",
+        nargs="+",
+        metavar="FILE.csv",
+        help="reflectances; default: the ColorChecker",
     )
     add_unit(parser)
     parser.add_argument(
-        "--basis", nargs="+", default=[], metavar="NAME", help="further ones: 'measured FILE.csv'"
+        "--basis",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="additional bases: 'measured FILE.csv'",
     )
-    parser.add_argument("--rounds", type=int, default=15, metavar="N", help="of each timing")
     parser.add_argument(
-        "--eevee", type=int, default=3, metavar="N", help="rounds of renders; 0: none"
+        "--rounds", type=int, default=15, metavar="N", help="repetitions of each timing"
+    )
+    parser.add_argument(
+        "--eevee",
+        type=int,
+        default=3,
+        metavar="N",
+        help="rounds of Eevee renders; 0: do not render",
     )
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     parser.set_defaults(run=run)

@@ -14,44 +14,54 @@ from .arguments import Commands, add_unit, chosen_reflectances, folder, positive
 
 def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
-    parser = commands.add_parser("evaluate", help="errors over a day, or under measured light")
-    parser.add_argument("--out", metavar="DIR", help="figures and tables go here")
+    parser = commands.add_parser("evaluate", help="errors over a day or under measured light")
+    parser.add_argument("--out", metavar="DIR", help="folder for figures and tables")
     parser.add_argument(
         "--daylight",
         nargs="+",
         metavar="FILE.csv",
-        help="spectra of light, instead of a simulated day",
+        help="measured spectra of light; default: a simulated day",
     )
     parser.add_argument(
         "--predicted",
         action="store_true",
-        help="how well predicted errors hold under that light: a sky each column, or all columns "
-        "SKY@FACE one; one file a site",
+        help="check predicted errors under that light: each column is a sky, or all columns "
+        "SKY@FACE are one sky; one file per site",
     )
     parser.add_argument(
         "--tolerance",
         type=positive,
         default=0.5,
         metavar="CIEDE2000",
-        help="of the models that --predicted chooses, default 0.5",
+        help="tolerance of the models that --predicted chooses; default 0.5",
     )
     parser.add_argument(
         "--sun-elevation",
         type=_numbers,
         metavar="DEG[,DEG…]",
-        help="of the measured light, one for all spectra or one for each",
+        help="sun elevations of the measured light in degrees: one for all spectra or one for each",
     )
-    parser.add_argument("--camera", metavar="NAME|FILE", help="what sees the measured light")
+    parser.add_argument(
+        "--camera", metavar="NAME|FILE", help="camera that records the measured light"
+    )
     parser.add_argument(
         "--reflectances", nargs="+", metavar="FILE.csv", help="default: the ColorChecker"
     )
     add_unit(parser)
     parser.add_argument("--basis", nargs="+", metavar="NAME", help=f"default: {' '.join(BASES)}")
-    parser.add_argument("--date", default="2025-03-20", metavar="YYYY-MM-DD")
-    parser.add_argument("--latitude", type=float, default=35.68, metavar="DEG", help="of the day")
-    parser.add_argument("--longitude", type=float, default=139.77, metavar="DEG")
-    parser.add_argument("--timezone", default="+9", metavar="ZONE", help="default: Tokyo's")
-    parser.add_argument("--step", type=int, default=30, metavar="MINUTES", help="between skies")
+    parser.add_argument(
+        "--date", default="2025-03-20", metavar="YYYY-MM-DD", help="date of the day"
+    )
+    parser.add_argument(
+        "--latitude", type=float, default=35.68, metavar="DEG", help="in degrees; default: Tokyo"
+    )
+    parser.add_argument(
+        "--longitude", type=float, default=139.77, metavar="DEG", help="default: Tokyo"
+    )
+    parser.add_argument("--timezone", default="+9", metavar="ZONE", help="default: +9, Tokyo")
+    parser.add_argument(
+        "--step", type=int, default=30, metavar="MINUTES", help="minutes between skies"
+    )
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     parser.set_defaults(run=run)
 
@@ -78,7 +88,7 @@ def run(options: argparse.Namespace) -> None:
         _print_predicted(options, values)
         return
     if options.out is None:
-        raise InputError("--out", "is missing", "give a folder for figures and tables")
+        raise InputError("--out", "is missing", "set a folder for figures and tables")
     out = folder(options.out)
     if options.daylight:
         if len(options.daylight) > 1:

@@ -10,7 +10,9 @@ from .arguments import Commands
 
 def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
-    parser = commands.add_parser("explain", help="every step from a material's file to its color")
+    parser = commands.add_parser(
+        "explain", help="show each step from a material's file to its color"
+    )
     parser.add_argument("scene", metavar="SCENE.blend")
     parser.add_argument("--material", required=True, metavar="NAME")
     parser.add_argument("--json", action="store_true", help="print JSON")

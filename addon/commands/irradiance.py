@@ -11,18 +11,25 @@ from .arguments import Commands, white_or_auto
 
 def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
-    parser = commands.add_parser("irradiance", help="irradiance of an HDRI, without its sun")
+    parser = commands.add_parser(
+        "irradiance", help="compute the irradiance of an HDRI, without its sun"
+    )
     parser.add_argument("sky", metavar="HDRI")
-    parser.add_argument("--out", required=True, metavar="E.exr", help="lat-long, over normals")
-    parser.add_argument("--width", type=int, default=64, help="pixels of E.exr")
-    parser.add_argument("--degree", type=int, choices=range(7), help="of the polynomial")
+    parser.add_argument(
+        "--out",
+        required=True,
+        metavar="E.exr",
+        help="lat-long image of irradiance / π over normals",
+    )
+    parser.add_argument("--width", type=int, default=64, help="width of E.exr in pixels")
+    parser.add_argument("--degree", type=int, choices=range(7), help="degree of the polynomial")
     parser.add_argument(
         "--white", type=white_or_auto, metavar="R,G,B|auto", help="undo white balance"
     )
     parser.add_argument(
         "--map",
         metavar="MAP.png",
-        help="the sky with the sun yellow, ground grey and light that is no skylight magenta",
+        help="map of the sky: sun yellow, ground gray, light that is not skylight magenta",
     )
     parser.add_argument("--json", action="store_true", help="print coefficients and errors")
     parser.set_defaults(run=run)
@@ -60,6 +67,6 @@ def run(options: argparse.Namespace) -> None:
         print(json.dumps(result, indent=1))
         return
     fit = light.fit
-    print(f"degree {fit.degree} leaves {100 * fit.errors[fit.degree].worst:.2f} % at worst")
+    print(f"degree {fit.degree} largest error {100 * fit.errors[fit.degree].worst:.2f} %")
     for line in (*notes, light.caption):
         print(line)

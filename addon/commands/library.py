@@ -22,21 +22,28 @@ def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("library", help="list, search and draw reflectances in folders")
     parser.add_argument(
-        "folders", nargs="*", metavar="FOLDER", help="none: the colour checkers that are built in"
+        "folders", nargs="*", metavar="FOLDER", help="default: the built-in color checkers"
     )
     parser.add_argument(
-        "--search", default="", metavar="TEXT", help="only those with all words in name or source"
+        "--search",
+        default="",
+        metavar="TEXT",
+        help="only reflectances with all these words in name or source",
     )
     parser.add_argument("--sort", default=default(ORDERS), metavar="|".join(ORDERS))
-    parser.add_argument("--sheet", metavar="PICTURE.png", help="draw swatches of what was found")
+    parser.add_argument("--sheet", metavar="PICTURE.png", help="draw swatches of the matches")
     parser.add_argument(
         "--near",
         metavar="R,G,B",
         type=three,
-        help="the ten nearest to a base color (linear, of --space), with their ΔE",
+        help="the ten nearest to a linear base color in --space, with their ΔE",
     )
     parser.add_argument(
-        "--for", dest="material", default="", metavar="NAME", help="whose name counts with --near"
+        "--for",
+        dest="material",
+        default="",
+        metavar="NAME",
+        help="material name that --near also compares",
     )
     parser.add_argument("--json", action="store_true", help="print JSON")
     add_sky_options(parser)
@@ -92,9 +99,9 @@ def run(options: argparse.Namespace) -> None:
         print(f"{count} as {kind}", file=sys.stderr)
     for problem in found.problems[:TOLD]:
         print(problem, file=sys.stderr)
-    others = f", {found.others} files hold something else" if found.others else ""
+    others = f", {found.others} files hold other data" if found.others else ""
     unused = f", {found.unused} cannot be used" if found.unused else ""
-    unused += " (--json tells all)" if len(found.problems) > TOLD else ""
+    unused += " (--json lists all)" if len(found.problems) > TOLD else ""
     print(f"{len(found)} of {len(whole)} spectra{unused}{others}", file=sys.stderr)
 
 
@@ -131,7 +138,7 @@ def _draw(options: argparse.Namespace, found: Any, sky: Any) -> None:
     from ..transfer.swatches import beside
 
     if not len(found):
-        raise InputError("--search", "finds nothing to draw", "use fewer words")
+        raise InputError("--search", "matches no reflectance", "use fewer words")
     if len(found) > MOST:
         print(f"{options.sheet}: the first {MOST} of {len(found)}", file=sys.stderr)
     shown = found.only(range(min(len(found), MOST)))

@@ -13,8 +13,10 @@ from .under_sky import add_sky_options, choose
 
 def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
-    parser = commands.add_parser("matrix", help="reflectance CSVs to 3x3 matrices")
-    parser.add_argument("files", nargs="+", metavar="FILE.csv", help="one or more materials each")
+    parser = commands.add_parser("matrix", help="convert reflectance CSVs to 3x3 matrices")
+    parser.add_argument(
+        "files", nargs="+", metavar="FILE.csv", help="CSV with one or more materials"
+    )
     add_sky_options(parser)
     parser.add_argument("--json", action="store_true", help="print JSON")
     parser.set_defaults(run=run)

@@ -13,17 +13,21 @@ from .under_sky import UnderSky, add_sky_options, choose
 
 def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
-    parser = commands.add_parser("picture", help="draw reflectance, matrix, errors, sky as a PNG")
+    parser = commands.add_parser("picture", help="draw reflectance, matrix, errors or sky as a PNG")
     parser.add_argument(
         "source",
         metavar="FILE.csv[:COLUMN]|SCENE.blend",
         help="one material: its reflectance and matrix; many: their errors under the sky",
     )
     parser.add_argument("--out", required=True, metavar="PICTURE.png")
-    parser.add_argument("--material", metavar="NAME", help="of SCENE.blend; all without")
+    parser.add_argument("--material", metavar="NAME", help="material of SCENE.blend; default: all")
     parser.add_argument("--theme", choices=("light", "dark"), default="light")
     parser.add_argument(
-        "--scale", type=float, default=1.5, metavar="PIXELS", help="0.5 to 8 a unit; 480 units wide"
+        "--scale",
+        type=float,
+        default=1.5,
+        metavar="PIXELS",
+        help="pixels per unit, 0.5 to 8; pictures are 480 units wide",
     )
     add_sky_options(parser)
     parser.set_defaults(run=run)
@@ -55,8 +59,8 @@ def _of_file(options: argparse.Namespace) -> Any:
     if len(read.names) > 1 and options.sky is None and options.sky_rgb is None:
         raise InputError(
             path,
-            f"holds {len(read.names)} materials, to be compared under a sky",
-            f"give --sky HDRI, or name one, as in {path.name}:{read.names[0]}",
+            f"holds {len(read.names)} materials, which are compared under a sky",
+            f"give --sky HDRI, or name one material, as in {path.name}:{read.names[0]}",
         )
     found = choose(options, read.values)
     choice = found.choice
@@ -95,7 +99,7 @@ def _of_scene(options: argparse.Namespace) -> Any:
     from ..scene.files import blend_file
 
     if options.sky is not None or options.sky_rgb is not None:
-        raise InputError("--sky", f"{options.source} has its own", "leave it out")
+        raise InputError("--sky", f"{options.source} has its own", "omit it")
     blend_file.open_scene(options.source)
     if options.material is None:
         rows = portraits.expected()

@@ -11,7 +11,9 @@ from .arguments import Commands
 
 def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
-    parser = commands.add_parser("render", help="an EXR and a PNG of a .blend, without a window")
+    parser = commands.add_parser(
+        "render", help="render a .blend to an EXR and a PNG, without a window"
+    )
     parser.add_argument("scene", metavar="SCENE.blend")
     parser.add_argument("--out", required=True, metavar="FILE.exr")
     parser.add_argument("--camera", metavar="NAME", help="default: the scene's")
@@ -28,7 +30,7 @@ def run(options: argparse.Namespace) -> None:
     scene = blend_file.open_scene(options.scene)
     if found := rgb_comparison.shown_now():
         names = ", ".join(material.name for material in found[:5]) + (" …" if found[5:] else "")
-        line = f"{names}: rendered as RGB × RGB, for the file was saved while comparing"
+        line = f"{names}: rendered as RGB × RGB, because the file was saved in comparison mode"
         print(f"WARNING: {line}; make them spectral again with apply", file=sys.stderr)
     for path in render.render(scene, options.out, options.camera, options.engine):
         print(path)

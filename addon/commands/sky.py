@@ -13,48 +13,75 @@ from .arguments import Commands
 
 def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
-    parser = commands.add_parser("sky", help="a clear sky as a lat-long HDRI")
-    parser.add_argument("--sun-elevation", type=float, metavar="DEG", help="-6 to 90")
-    parser.add_argument("--sun-azimuth", type=float, metavar="DEG", help="from north; default 180")
+    parser = commands.add_parser("sky", help="simulate a clear sky as a lat-long HDRI")
+    parser.add_argument("--sun-elevation", type=float, metavar="DEG", help="in degrees, -6 to 90")
     parser.add_argument(
-        "--date", metavar="YYYY-MM-DD", help="place the sun by date, time and place"
-    )
-    parser.add_argument("--time", default="12:00", metavar="HH:MM", help="default: noon")
-    parser.add_argument("--latitude", type=float, metavar="DEG", help="north positive")
-    parser.add_argument("--longitude", type=float, metavar="DEG", help="east positive")
-    parser.add_argument(
-        "--timezone", default="UTC", metavar="ZONE", help="Europe/Berlin, or hours east: +2"
+        "--sun-azimuth", type=float, metavar="DEG", help="in degrees from north; default 180"
     )
     parser.add_argument(
-        "--sun-disc", action="store_true", help="with the sun itself in the picture"
+        "--date", metavar="YYYY-MM-DD", help="compute the sun's position from date, time and place"
+    )
+    parser.add_argument(
+        "--time", default="12:00", metavar="HH:MM", help="local time; default: noon"
+    )
+    parser.add_argument(
+        "--latitude", type=float, metavar="DEG", help="in degrees, north is positive"
+    )
+    parser.add_argument(
+        "--longitude", type=float, metavar="DEG", help="in degrees, east is positive"
+    )
+    parser.add_argument(
+        "--timezone",
+        default="UTC",
+        metavar="ZONE",
+        help="name such as Europe/Berlin, or hours east of UTC such as +2",
+    )
+    parser.add_argument(
+        "--sun-disc", action="store_true", help="include the sun's disc in the picture"
     )
     haze = parser.add_mutually_exclusive_group()
     haze.add_argument("--haze", type=float, help="aerosol optical depth at 550 nm; default 0.05")
     haze.add_argument(
-        "--turbidity", type=float, metavar="B", help="Ångström's: the same at 1000 nm"
+        "--turbidity",
+        type=float,
+        metavar="B",
+        help="Ångström's turbidity: aerosol optical depth at 1000 nm",
     )
     parser.add_argument(
-        "--angstrom", type=float, default=1.3, help="Ångström's exponent of the haze"
+        "--angstrom", type=float, default=1.3, help="Ångström's exponent of the aerosol"
     )
-    parser.add_argument("--ozone", type=float, default=300.0, metavar="DU", help="Dobson units")
+    parser.add_argument(
+        "--ozone", type=float, default=300.0, metavar="DU", help="ozone column in Dobson units"
+    )
     parser.add_argument("--water", type=float, default=14.0, metavar="MM", help="precipitable")
     parser.add_argument(
-        "--ground", default="0.2", metavar="R|FILE.csv[:COLUMN]", help="reflectance of the ground"
+        "--ground",
+        default="0.2",
+        metavar="R|FILE.csv[:COLUMN]",
+        help="reflectance of the ground, 0 to 1, or a CSV",
     )
     parser.add_argument(
-        "--paper", action="store_true", help="the paper's air: λ⁻⁴ alone, nothing absorbs"
+        "--paper", action="store_true", help="air of Tachi's paper: λ⁻⁴ scattering, no absorption"
     )
-    parser.add_argument("--orders", default="all", metavar="N|all", help="scatterings to count")
+    parser.add_argument("--orders", default="all", metavar="N|all", help="orders of scattering")
     parser.add_argument(
         "--quality",
         choices=tuple(QUALITIES),
         default=default(QUALITIES),
         help=described(QUALITIES),
     )
-    parser.add_argument("--seed", type=int, default=0, help="of the photons' chances")
-    parser.add_argument("--width", type=int, default=1024, help="pixels; the height is half of it")
-    parser.add_argument("--out", metavar="SKY.exr", help="linear Rec.709; 1 is 10,000 cd/m²")
-    parser.add_argument("--spectral", metavar="SPECTRAL.exr", help="W m⁻² sr⁻¹ nm⁻¹, 81 channels")
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random photons")
+    parser.add_argument(
+        "--width", type=int, default=1024, help="width in pixels; the height is half of it"
+    )
+    parser.add_argument(
+        "--out", metavar="SKY.exr", help="HDRI in linear Rec.709; 1 is 10,000 cd/m²"
+    )
+    parser.add_argument(
+        "--spectral",
+        metavar="SPECTRAL.exr",
+        help="spectral radiance in W m⁻² sr⁻¹ nm⁻¹, 81 channels",
+    )
     parser.set_defaults(run=run)
 
 
@@ -67,7 +94,7 @@ def run(options: argparse.Namespace) -> None:
     from ..spectra.sensitivities import observer
 
     if not (options.out or options.spectral):
-        raise InputError("sky", "nowhere to write to", "give --out SKY.exr or --spectral FILE.exr")
+        raise InputError("sky", "no output file", "give --out SKY.exr or --spectral FILE.exr")
     if not 8 <= options.width <= 8192:
         raise InputError("--width", f"{options.width} pixels", "give 8 to 8192")
     elevation, azimuth = _sun(options)
@@ -103,13 +130,13 @@ def _sun(options: argparse.Namespace) -> tuple[float, float]:
     given = options.sun_elevation is not None
     if given == (options.date is not None):
         cure = "give either --sun-elevation or --date with --latitude and --longitude"
-        raise InputError("sky", "where is the sun?", cure)
+        raise InputError("sky", "the sun's position is unknown", cure)
     if given:
         return options.sun_elevation, 180.0 if options.sun_azimuth is None else options.sun_azimuth
     from ..sky.sun_position import sun_position
 
     if options.latitude is None or options.longitude is None:
-        raise InputError("--date", "no place", "give --latitude and --longitude too")
+        raise InputError("--date", "the place is unknown", "give --latitude and --longitude too")
     elevation, azimuth = sun_position(
         options.date, options.time, options.latitude, options.longitude, options.timezone
     )

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 def add_sky_options(parser: argparse.ArgumentParser) -> None:
     """Add what decides a material's matrix, the sky included."""
     source = parser.add_mutually_exclusive_group()
-    source.add_argument("--sky", metavar="HDRI", help="predict the errors under this sky")
+    source.add_argument("--sky", metavar="HDRI", help="HDRI under which errors are predicted")
     source.add_argument(
-        "--sky-rgb", type=three, metavar="R,G,B", help="the skylight's colour, in the space"
+        "--sky-rgb", type=three, metavar="R,G,B", help="RGB of skylight in the working space"
     )
     add_matrix_options(parser)
     parser.add_argument(

@@ -98,7 +98,7 @@ def explain(scene: bpy.types.Scene, material: bpy.types.Material) -> Explanation
 def _of_file(given: Assignment, suspicious: list[str]) -> Iterator[Step]:
     """Where the reflectance is from, and whether the file still holds it."""
     if given.estimated:
-        yield Step("File", "none: estimated from the base color, nobody measured it")
+        yield Step("File", "none: estimated from the base color, not measured")
         return
     if not given.source:
         yield Step("File", f"not known: {given.name} was given by a script or an older version")
@@ -113,12 +113,12 @@ def _of_file(given: Assignment, suspicious: list[str]) -> Iterator[Step]:
     if given.metal is not None or given.behind:
         return
     if not Path(path).is_file():
-        suspicious.append(f"{path} is gone: the material keeps what it was given")
+        suspicious.append(f"{path} is missing: the material keeps its reflectance")
         return
     try:
         now = read_one(given.source, given.unit or None).values[0]
     except InputError as error:
-        suspicious.append(f"the file cannot be read as then: {error}")
+        suspicious.append(f"the file cannot be read any more: {error}")
         return
     if not np.allclose(now, given.values, atol=1e-9):
         suspicious.append(f"{path} has changed since: apply it again")
@@ -167,7 +167,7 @@ def _of_matrix(
     yield Step("Model", result.line.partition(": ")[2] or result.model, result.model)
     yield Step("Matrix in the sockets", _rows(shown), shown.tolist())
     if not _near(shown, wanted):
-        suspicious.append("the matrix in the sockets is another one: press Update")
+        suspicious.append("the sockets hold a different matrix: press Update")
 
 
 def _of_light(
@@ -183,10 +183,10 @@ def _of_light(
         if np.any(rgb) or held.any():
             yield Step(f"Socket {name}", _numbers(held), held.tolist())
         if not _near(held, np.asarray(rgb)):
-            suspicious.append(f"socket {name} holds another value than follows: press Update")
+            suspicious.append(f"socket {name} holds a different value: press Update")
     coefficients = light_group.coefficients_of(plan.world)
     if coefficients is None:
-        suspicious.append("the World's light is gone from its node group: press Update")
+        suspicious.append("the World's light is missing from its node group: press Update")
         return
     E = evaluate_polynomial(coefficients, np.array([[0.0, 0.0, 1.0]]))[0]
     exact = plan.light.faces[0]
@@ -207,7 +207,7 @@ def _wrong_with_material(
 ) -> Iterator[str]:
     """What keeps a material from showing what it was given."""
     if tags.SHOWS_RGB in material:
-        yield "it shows RGB × RGB now: press Back to Spectral"
+        yield "it shows RGB × RGB: press Back to Spectral"
     if why := out_of_date.colour(material):
         yield f"{why}: press Make Everything Spectral"
     if managed.world is None:
@@ -215,7 +215,7 @@ def _wrong_with_material(
     elif managed.world != scene.world:
         yield f'the World "{managed.world.name}" lights it, not this scene\'s: press Update'
     if not spectral_material.is_shown(material):
-        yield "its spectral surface is not plugged into the Material Output: apply it again"
+        yield "its spectral surface is not connected to the Material Output: apply it again"
     if scene.view_layers and bpy.context.view_layer.material_override is not None:
         yield "the view layer's Material Override shows another material"
     unbaked = set(out_of_date.unbaked(scene))

@@ -322,7 +322,7 @@ def remove(materials: Iterable[bpy.types.Material]) -> Outcome:
     chosen, skipped = editable(material for material in materials if material in ours)
     for material in chosen:
         spectral_material.remove(material)
-    return Outcome(skipped=skipped, lines=[f"{len(chosen)} material(s) are as they were before"])
+    return Outcome(skipped=skipped, lines=[f"{len(chosen)} material(s) restored"])
 
 
 def light_lines(world: bpy.types.World | None) -> list[str]:

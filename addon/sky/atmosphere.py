@@ -81,7 +81,7 @@ class Atmosphere:
         if ground.shape not in ((), (1,), WAVELENGTHS.shape) or not np.all(
             (ground >= 0) & (ground <= 1)
         ):
-            raise InputError("ground", "is no reflectance", "give one number or 81, 0 to 1")
+            raise InputError("ground", "is not a reflectance", "give one number or 81, 0 to 1")
 
 
 @dataclass(frozen=True)

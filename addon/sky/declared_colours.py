@@ -80,7 +80,7 @@ def declared(header: Mapping[str, Any], place: object) -> Declared:
     if exposure != 1.0:
         told.append(
             f"its header says that all values were multiplied by {exposure:.4g} (EXPOSURE): they "
-            "are read as they stand, as Blender reads them; colours are not affected"
+            "are read as they stand, as Blender reads them; colors are not affected"
         )
     gamma = _floats(header.get("GAMMA"))
     if gamma and gamma[0] not in (0.0, 1.0):
@@ -109,12 +109,10 @@ def _named(identifier: Any, place: object, told: list[str]) -> str:
     if middle in INTEROP:
         raise InputError(
             place,
-            f"its header says that its numbers are {called}, which is no linear light",
+            f"its header says that its numbers are {called}, which is not linear light",
             "save it scene-linear",
         )
-    told.append(
-        f"its header names the colour space {called}, which is not known here: not converted"
-    )
+    told.append(f"its header names the colour space {called}, which is unknown: not converted")
     return ""
 
 
@@ -131,7 +129,7 @@ def _matrix(chromaticities: Any, told: list[str]) -> NDArray[np.float64] | None:
                 matrix = primaries_to_rec709(xy)
             if np.isfinite(matrix).all():
                 return matrix
-    told.append("its header names primaries that cannot be any: not converted")
+    told.append("its header names impossible primaries: not converted")
     return None
 
 
@@ -152,7 +150,7 @@ def _factors(
         if len(found) == 3 and all(0.0 < part < math.inf for part in found):
             product *= found
         else:
-            told.append("its header has a COLORCORR that cannot be one: not undone")
+            told.append("its header has an impossible COLORCORR: not undone")
     for line in _lines(header.get("EXPOSURE")):
         found = _floats(line)
         if len(found) == 1 and 0.0 < found[0] < math.inf:

@@ -114,9 +114,9 @@ def restored_sun(
         spectrum = _sunlight(sun.elevation, Atmosphere(haze=haze, ozone=_OZONE[0]))
         spectrum *= times[1] * _luminance(seen, S_in) / _luminance(S_in @ spectrum, S_in)
         line = (
-            f"the HDRI clipped the sun at {sun.elevation:.0f}°: estimated at {times[1]:.3g} times "
-            f"what it shows (likely {times[0]:.3g} to {times[2]:.3g}), as in clear air with haze "
-            f"as this sky's colour tells it ({haze:.2f})"
+            f"the HDRI clips the sun at {sun.elevation:.0f}°: estimated at {times[1]:.3g} times "
+            f"its value (likely {times[0]:.3g} to {times[2]:.3g}), from clear air with the haze "
+            f"of this sky's color ({haze:.2f})"
         )
         return SunLight(spectrum, S_in @ spectrum / balance, True, line)
     spectrum = direct_sunlight(sun.elevation, seen, S_in)
@@ -126,7 +126,7 @@ def restored_sun(
         exact = spectrum * (_luminance(seen, S_in) / _luminance(S_in @ spectrum, S_in))
     line = f"the sun at {sun.elevation:.0f}° is as strong as the HDRI shows it"
     if not away <= FOREIGN:
-        line += f", but no sunlight has its colour (off by {away:.3f} in u'v'): was it balanced?"
+        line += f", but its color is not one of sunlight (off by {away:.3f} in u'v')"
     return SunLight(exact, S_in @ exact / balance, False, line)
 
 

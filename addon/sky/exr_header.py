@@ -113,7 +113,7 @@ def read_header(file: BinaryIO, size: int, place: object) -> list[Part]:
     try:
         magic, version = struct.unpack("<4sI", source.take(8))
         if magic != MAGIC or version & 0xFF != 2:
-            raise _Damaged("it is no OpenEXR 2 file")
+            raise _Damaged("it is not an OpenEXR 2 file")
         flags, parts = version >> 8, []
         while part := _part(source):
             if flags & SEVERAL:

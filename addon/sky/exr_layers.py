@@ -62,7 +62,9 @@ def find_colours(parts: list[Part], place: object) -> Colours:
     if best[0] == _LAST and len(of_kind) > 1:
         names = shown([each[-1].layer for each in of_kind])
         raise InputError(
-            place, f"holds the layers {names} and no beauty", "save the sky's beauty alone"
+            place,
+            f"holds the layers {names} and no beauty layer",
+            "save only the sky's beauty layer",
         )
     chosen = best[-1]
     return Colours(chosen.part, kind, chosen.channels, chosen.layer, len(of_kind) - 1)
@@ -113,12 +115,12 @@ def _layers(part: Part, several: bool) -> list[tuple[str, str, tuple[Channel, ..
 def _without_colours(parts: list[Part]) -> tuple[str, str]:
     """Say what a file holds that has no colours, and what to do about it."""
     if all(part.deep for part in parts):
-        return "holds deep data, no flat picture", "flatten it and save it as RGB"
+        return "holds deep data instead of a flat picture", "flatten it and save it as RGB"
     names = [channel.name for part in parts for channel in part.channels]
     if not any(channel.kind for part in parts for channel in part.channels):
-        return f"holds whole numbers: {_some(names)}", "save it as RGB, half or float"
+        return f"holds integers: {_some(names)}", "save it as RGB, half or float"
     if sum(bool(re.search(r"\d[\d,.]*nm$", name)) for name in names) > 3:
-        cure = "use the sky's RGB file, or convert it to one by its colour matching functions"
+        cure = "use the sky's RGB file, or convert it to RGB with color matching functions"
         return f"is spectral: {_some(names)}; it has no channels R, G, B but those", cure
     return f"has no channels R, G, B but {_some(names)}", "save it as RGB, half or float"
 

@@ -30,7 +30,7 @@ def regular_size(path: Path) -> int:
     if stat.S_ISDIR(found.st_mode):
         raise InputError(path, "cannot be opened (it is a folder)", "check the path")
     if not stat.S_ISREG(found.st_mode):
-        raise InputError(path, "cannot be opened (it is no regular file)", "give a file")
+        raise InputError(path, "cannot be opened (it is not a regular file)", "give a file")
     return found.st_size
 
 
@@ -43,7 +43,7 @@ def check_size(place: object, pixels: tuple[int, int], unpacked: int, size: int)
         width, height = pixels
         raise InputError(
             place,
-            f"claims {width} x {height} pixels in {size} bytes, which no sky packs into",
+            f"claims {width} x {height} pixels in {size} bytes, which is too few for a sky",
             "save it again",
         )
 

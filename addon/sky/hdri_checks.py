@@ -23,8 +23,8 @@ def signs(panorama: Panorama) -> list[str]:
     share = flat_white(panorama.rgb)
     if share > _FLAT:
         found.append(
-            f"{100 * share:.0f} % of the panorama are flat white: tone-mapped or clipped, so "
-            "that its light and colours are wrong; use the scene-linear HDRI"
+            f"{100 * share:.0f} % of the panorama is flat white: it is tone-mapped or clipped, so "
+            "that its light and colors are wrong; use the scene-linear HDRI"
         )
     return [*panorama.notes, *found]
 

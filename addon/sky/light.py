@@ -85,9 +85,9 @@ class SkyLight:
         if self.negatives:
             notes.append(f"{self.negatives} negative value(s) were set to zero")
         if self.sun_elevation() is None:
-            notes.append("no sun was found: a sky by day is expected; tell a low sun's elevation")
+            notes.append("no sun found: daytime assumed. If the sun is low, set its elevation")
         elif self.sun is not None and self.sun.clipped:
-            notes.append("the HDRI clipped the sun: it was brighter than that")
+            notes.append("the HDRI clips the sun: the real sun was brighter")
         return notes if self.outside.holds else [*notes, self.outside.verdict]
 
     def report(self) -> dict[str, Any]:

@@ -121,7 +121,7 @@ def _clip_infinite(rgb: NDArray[np.float32]) -> int:
 
 
 def _cropped(black: float) -> str:
-    return f"the file is cropped: {100 * black:.0f} % of the panorama are black for that"
+    return f"the file is cropped: {100 * black:.0f} % of the panorama is black"
 
 
 def _infinite(count: int) -> str:
@@ -143,7 +143,7 @@ def _other_kind(magic: bytes) -> tuple[str, str]:
     kind = next((kind for kind, found in kinds.items() if found), "")
     cure = "use the same sky as .exr or .hdr (scene-linear, unclipped)"
     if kind == "TIFF":
-        return "is a TIFF, which is not read here", "save it as .exr if it is linear float"
+        return "is a TIFF, which cannot be read", "save it as .exr if it is linear float"
     if kind:
         return f"is a {kind}: its light is tone-mapped and clipped at white", cure
     return "is neither OpenEXR nor Radiance (.hdr), or its beginning is damaged", cure
@@ -192,7 +192,7 @@ def from_pixels(rgb: ArrayLike, name: str, metadata: Mapping[str, Any] | None = 
         problem = f"{bad} pixels are NaN, the first at x = {first[0]}, y = {first[1]} from"
         raise InputError(name, f"{problem} the top left", "repair them in a picture editor")
     if brightest <= 0.0:
-        raise InputError(name, "is black all over", "choose a sky that holds light")
+        raise InputError(name, "is completely black", "choose a sky that holds light")
     notes = (_infinite(infinite),) if infinite else ()
     return Panorama(pixels, name, dict(metadata or {}), negatives, notes)
 

@@ -80,7 +80,9 @@ def _header(
     size = re.compile(rb"\n([-+])Y (\d{1,6}) ([-+])X (\d{1,6})\n").search(data, 0, _HEADER)
     if not size:
         sideways = re.compile(rb"\n[-+]X \d+ [-+]Y \d+\n").search(data, 0, _HEADER)
-        problem = "stands on its side" if sideways else "has no resolution line in its header"
+        problem = (
+            "is stored rotated or mirrored" if sideways else "has no resolution line in its header"
+        )
         raise InputError(path, problem, "save it again as an upright lat-long .hdr or .exr")
     header: dict[str, object] = {}
     for line in data[: size.start()].decode("latin-1").splitlines()[1:]:

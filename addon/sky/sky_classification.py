@@ -50,10 +50,10 @@ class Outside:
         elif not self.holds:
             start = "partly outside the model of skylight"
         else:
-            return "its light has the colours of skylight"
+            return "its light has the colors of skylight"
         return (
             f"{start}: {100 * mean:.0f} % of the light on faces of a building, at most "
-            f"{100 * worst:.0f} %, has colours that no sky has (leaves, walls, lamps, a tint)"
+            f"{100 * worst:.0f} %, has colors that no sky has (leaves, walls, lamps, a tint)"
         )
 
     @property

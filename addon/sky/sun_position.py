@@ -70,7 +70,9 @@ def _moment(date: str, time: str, zone: str) -> datetime:
         moment = datetime.fromisoformat(f"{date}T{time}")
     except ValueError:
         cure = f"give {parameter('date')} YYYY-MM-DD and {parameter('time')} HH:MM"
-        raise InputError(parameter("date"), f"'{date} {time}' is no date and time", cure) from None
+        raise InputError(
+            parameter("date"), f"'{date} {time}' is not a date and time", cure
+        ) from None
     moment = moment.replace(tzinfo=_zone(zone))
     if moment.astimezone(UTC).astimezone(moment.tzinfo).time() != moment.time():
         cure = f"summer time begins in {zone}: give an hour later"

@@ -69,14 +69,14 @@ class Choice:
         if self.prediction is None:
             return ""
         if not self.prediction.known:
-            return f"{name}: {self.models[k]}, its error is unknown: {self.prediction.unknown}"
+            return f"{name}: {self.models[k]}, error unknown: {self.prediction.unknown}"
         mean, bound = self.error(k)
         text = (
             f"{name}: {self.models[k]}, ΔE {mean:.1f} (at most {bound:.1f}), "
-            f"RGB would be {self.prediction.rgb[k]:.1f}"
+            f"RGB × RGB {self.prediction.rgb[k]:.1f}"
         )
         if self.tolerance is not None and bound > self.tolerance:
-            text += f"; over the tolerance of {self.tolerance:g}"
+            text += f"; above the tolerance of {self.tolerance:g}"
         if self.prediction.out_of_gamut[k]:
             text += "; out of gamut: Blender clamps it"
         return text
@@ -213,8 +213,10 @@ def sky_line(choice: Choice, light: SkyLight) -> str:
 
 def visibility_line(hidden: float, tolerance: float) -> str:
     """Say whether what hides this part of the sky, 0 to 1, is worth modelling."""
-    worth = "is worth" if _darker(hidden) > tolerance else "is not worth"
-    return f"{100 * hidden:.0f} % of the sky is hidden from these materials: visibility {worth} it"
+    noticeable = "are noticeable" if _darker(hidden) > tolerance else "are not noticeable"
+    return (
+        f"{100 * hidden:.0f} % of the sky is hidden from these materials: sky shadows {noticeable}"
+    )
 
 
 def _darker(share: float) -> float:

@@ -90,7 +90,7 @@ def ground_light(
     """
     if choice not in CHOICES:
         raise InputError(
-            parameter("ground"), f"'{choice}' is no ground", f"choose {listed(CHOICES)}"
+            parameter("ground"), f"'{choice}' is not a ground", f"choose {listed(CHOICES)}"
         )
     upper, lower = split(light.sky)
     below = running_sums(lower)  # which are most of the work, and serve three times
@@ -121,7 +121,7 @@ def ground_light(
         spectrum = spectrum_with_colour(lit, seen * white, mapping.S_in)
     if spectrum is None:
         spectrum = lit * (V @ mapping.restoration @ (seen * white) / (V @ lit))
-        line += ", taken as grey: no light has its colour"
+        line += ", treated as gray: no light has its color"
     # Into the scene's space, and of the size that the prefiltered reflectance is relative to.
     shown = mapping.to_working @ seen
     size = balanced_rgb(spectrum, mapping) / np.where(shown == 0, 1.0, shown)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 if TYPE_CHECKING:
     from ..sky.light import SkyLight
 
-UNKNOWN_WHITE = "the sky looks white-balanced, and its neutral light is not given"
+UNKNOWN_WHITE = "the sky appears white-balanced, and its neutral light is not set"
 """A doubt: see `transfer.white`."""
 
 

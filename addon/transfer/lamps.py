@@ -63,7 +63,7 @@ def lamp_spectrum(lamp: str | float | ArrayLike, space: str = DEFAULT_SPACE) -> 
         return _bright(black_body(float(values)))
     rgb = np.maximum(values, 0.0)
     if values.shape != (3,) or not np.isfinite(values).all() or not rgb.any():
-        raise InputError(parameter("lamp"), f"{values.tolist()} is no light", "give R, G and B")
+        raise InputError(parameter("lamp"), f"{values.tolist()} is not a light", "give R, G and B")
     return _of_colour(rgb, observer(space))
 
 
@@ -178,7 +178,7 @@ def _named(lamp: str) -> NDArray[np.float64]:
         return _bright(spectrum)
     raise InputError(
         parameter("lamp"),
-        f"'{lamp}' is no file, temperature or known lamp",
+        f"'{lamp}' is not a file, a temperature or a known lamp",
         "give a CSV, kelvin as 2700, or a name as A, D50, FL2, FL11, LED-B3, HP1",
     )
 
@@ -192,7 +192,11 @@ def _of_colour(rgb: NDArray, S: NDArray) -> NDArray[np.float64]:
         nearest = np.argmin(np.sum((colours - uv(to_XYZ @ wanted)) ** 2, axis=1))
         if (found := spectrum_with_colour(candidates[nearest], wanted, S)) is not None:
             return found
-    raise InputError(parameter("lamp"), f"{rgb.tolist()} is no light's colour", "give a paler one")
+    raise InputError(
+        parameter("lamp"),
+        f"{rgb.tolist()} is not a color of light",
+        "choose a less saturated color",
+    )
 
 
 @cache

@@ -149,7 +149,7 @@ def transfer(
             parameter("basis"),
             f"'{basis}': its spectra differ too little; a sky's noise could grow "
             f"{mapping.largest:.0f} times",
-            "give more various skies or another basis",
+            "give more varied skies or another basis",
         )
     return mapping
 
@@ -160,7 +160,7 @@ def check_white(white: ArrayLike) -> NDArray[np.float64]:
     if values.shape != (3,) or not np.all(np.isfinite(values) & (values > 0)):
         raise InputError(
             parameter("white"),
-            f"{values.tolist()} is no colour",
+            f"{values.tolist()} is not a color",
             "give three numbers above 0: R,G,B",
         )
     return values

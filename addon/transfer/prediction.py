@@ -149,10 +149,10 @@ def _unknown(transfer: Transfer, lights: NDArray, sun_elevation: float | None) -
         return "the sky is dark"
     lowest = shipped().elevations.min()
     if sun_elevation is not None and sun_elevation < lowest:
-        return f"the sun is under {lowest:g}°"
+        return f"the sun is below {lowest:g}°"
     away = locus_distance(transfer.unbalanced(lights), transfer.S_in, sun_elevation).max()
     if away > LIMIT:
-        return f"its light has no colour of skylight (off by {away:.3f} in u'v')"
+        return f"its color is not a color of skylight (off by {away:.3f} in u'v')"
     return ""
 
 

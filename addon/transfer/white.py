@@ -85,8 +85,8 @@ class WhiteEstimate:
             return ""
         r, g, b = self.white
         return (
-            f"this sky looks white-balanced, which adds ΔE {self.ignored_delta_E:.1f}; "
-            f"{r:.2f},{g:.2f},{b:.2f} (or auto) as its neutral light leaves ΔE "
+            f"this sky appears white-balanced, which adds ΔE {self.ignored_delta_E:.1f}; "
+            f"set its neutral light to {r:.2f},{g:.2f},{b:.2f} (or auto) to leave ΔE "
             f"{self.added_delta_E:.1f}"
         )
 
@@ -159,7 +159,7 @@ def settle_white(
     if white is None:
         return None, found.line
     if not found.suspected:
-        return None, "no white balance is seen in this sky, and none is undone"
+        return None, "this sky does not appear white-balanced; no white balance is undone"
     r, g, b = (round(float(value), 4) for value in found.white)
     return (r, g, b), (
         f"white balance undone as {r:.2f},{g:.2f},{b:.2f}, estimated from the sky: ΔE "

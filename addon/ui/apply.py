@@ -12,14 +12,14 @@ class Apply(choice.Fields, operator.Thin):
     """What the three operators share: one file for all of them, or each material its own."""
 
     filepath: bpy.props.StringProperty(
-        name="File", description="Empty: what was chosen for each material"
+        name="File", description="Leave empty to use the file chosen for each material"
     )
     kind: bpy.props.EnumProperty(
         name="Measured", description="What the file holds", items=choice.KINDS
     )
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         return operator.no_sky(context) or cls.nothing_to_do(context)
 
     @classmethod
@@ -54,14 +54,16 @@ class SKYLIGHT_OT_apply(Apply, bpy.types.Operator):
     bl_idname = "skylight.apply"
     bl_label = "Apply"
 
-    material: bpy.props.StringProperty(name="Material", description="Empty: the active one")
+    material: bpy.props.StringProperty(
+        name="Material", description="Leave empty for the active material"
+    )
 
     def targets(self, context):
         return [targets.named(context, self.material)]
 
 
 class SKYLIGHT_OT_apply_selected(Apply, bpy.types.Operator):
-    """Give the materials of all selected objects their reflectances, each the one chosen for it"""
+    """Apply its chosen file to each material of the selected objects"""
 
     bl_idname = "skylight.apply_selected"
     bl_label = "Apply to Selection"
@@ -77,7 +79,7 @@ class SKYLIGHT_OT_apply_selected(Apply, bpy.types.Operator):
 
 
 class SKYLIGHT_OT_apply_all(Apply, bpy.types.Operator):
-    """Give every material that has a file its reflectance, also after the file was edited"""
+    """Apply its chosen file to every material that has one. Edited files are read again"""
 
     bl_idname = "skylight.apply_all"
     bl_label = "Apply to All"
@@ -92,15 +94,17 @@ class SKYLIGHT_OT_apply_all(Apply, bpy.types.Operator):
 
 
 class SKYLIGHT_OT_estimate(operator.Thin, bpy.types.Operator):
-    """Restore a reflectance from the material's own base color or texture, and shade it by that"""
+    """Estimate a reflectance from the material's base color or texture and shade it spectrally"""
 
     bl_idname = "skylight.estimate"
     bl_label = "Estimate from Base Color"
 
-    material: bpy.props.StringProperty(name="Material", description="Empty: the active one")
+    material: bpy.props.StringProperty(
+        name="Material", description="Leave empty for the active material"
+    )
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         return operator.no_sky(context)
 
     def run(self, context):

@@ -11,20 +11,20 @@ from . import assign, library_state, operator
 
 
 class SKYLIGHT_OT_write_assets(operator.Long, bpy.types.Operator):
-    """Write the reflectances that the list shows as materials of an asset library into a folder. \
-Made spectral, they are what was measured. Esc ends it"""
+    """Write the listed reflectances to a folder as materials of an asset library. Make Everything \
+Spectral gives them their measured reflectances. Press Esc to stop"""
 
     bl_idname = "skylight.write_assets"
     bl_label = "Write Asset Library..."
     doing = "Writing"
 
     directory: bpy.props.StringProperty(
-        name="Folder", description="Of the asset library, as the preferences have it"
+        name="Folder", description="Folder of the asset library, as set in the preferences"
     )
     filter_folder: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         return "" if library_state.chosen(context) is not None else "Show the library first"
 
     def invoke(self, context, event):
@@ -42,7 +42,7 @@ Made spectral, they are what was measured. Esc ends it"""
         found, places = library_state.shown(own.search, own.order)
         wanted = [k for k in sorted(range(len(found)), key=places.__getitem__) if found[k]]
         if not wanted:
-            raise InputError("the search", "finds nothing to write", "use fewer words")
+            raise InputError("the search", "matches no reflectance", "use fewer words")
         chosen = library_state.library.only(wanted)
         halves = [
             half[wanted]
@@ -66,8 +66,8 @@ Made spectral, they are what was measured. Esc ends it"""
 
     def finish(self, context, done):
         if done is None:
-            return [("WARNING", "ended before it was done: nothing was written")]
-        return [("INFO", f"{done}: add its folder to the asset libraries in the preferences")]
+            return [("WARNING", "Stopped: nothing was written")]
+        return [("INFO", f"Wrote {done}. Add its folder to the asset libraries in the preferences")]
 
 
 CLASSES = (SKYLIGHT_OT_write_assets,)

@@ -11,7 +11,7 @@ class Assign(choice.Fields, operator.Thin):
     """What the operators share; without a sky it is kept ready with the material."""
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         if library_state.chosen(context) is None:
             return "Show the library and choose a reflectance first"
         return cls.nothing_to_do(context)
@@ -44,12 +44,14 @@ def kind(of: str) -> str:
 
 
 class SKYLIGHT_OT_assign_to_active(Assign, bpy.types.Operator):
-    """Give the active material the reflectance that is chosen in the library"""
+    """Assign the reflectance chosen in the library to the active material"""
 
     bl_idname = "skylight.assign_to_active"
     bl_label = "Assign to Active"
 
-    material: bpy.props.StringProperty(name="Material", description="Empty: the active one")
+    material: bpy.props.StringProperty(
+        name="Material", description="Leave empty for the active material"
+    )
 
     @classmethod
     def nothing_to_do(cls, context):
@@ -60,7 +62,7 @@ class SKYLIGHT_OT_assign_to_active(Assign, bpy.types.Operator):
 
 
 class SKYLIGHT_OT_assign_to_selected(Assign, bpy.types.Operator):
-    """Give the materials of all selected objects the reflectance that is chosen in the library"""
+    """Assign the reflectance chosen in the library to the materials of all selected objects"""
 
     bl_idname = "skylight.assign_to_selected"
     bl_label = "To Selection"

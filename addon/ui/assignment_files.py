@@ -10,22 +10,22 @@ from . import give, operator, properties
 
 
 class SKYLIGHT_OT_write_assignments(operator.Thin, bpy.types.Operator):
-    """Write a table of what every spectral material has been given, which another file or a \
-re-imported model reads by the materials' names"""
+    """Write a table with the assignment of every spectral material. Another file or a re-imported \
+model reads it by material name"""
 
     bl_idname = "skylight.write_assignments"
     bl_label = "Write Assignments..."
 
     filepath: bpy.props.StringProperty(
-        name="Table", description="A CSV of materials and what they are given", subtype="FILE_PATH"
+        name="Table", description="CSV with materials and their assignments", subtype="FILE_PATH"
     )
     filter_glob: bpy.props.StringProperty(default="*.csv", options={"HIDDEN"})
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         from ..scene.materials import spectral_material
 
-        return "" if spectral_material.ours() else "No material of the file is spectral"
+        return "" if spectral_material.ours() else "No material is spectral yet"
 
     def invoke(self, context, event):
         if not self.filepath:
@@ -36,22 +36,22 @@ re-imported model reads by the materials' names"""
         from ..scene import use_cases
 
         path = Path(bpy.path.abspath(self.filepath))
-        return [("INFO", f"{path.name}: {use_cases.write_table(path)} material(s)")]
+        return [("INFO", f"Wrote {use_cases.write_table(path)} material(s) to {path.name}")]
 
 
 class SKYLIGHT_OT_read_assignments(operator.Thin, bpy.types.Operator):
-    """Give all materials of the scene what a table has for their names"""
+    """Assign to the materials of the scene what a table holds for their names"""
 
     bl_idname = "skylight.read_assignments"
     bl_label = "Read Assignments..."
 
     filepath: bpy.props.StringProperty(
-        name="Table", description="A CSV of materials and what they are given", subtype="FILE_PATH"
+        name="Table", description="CSV with materials and their assignments", subtype="FILE_PATH"
     )
     filter_glob: bpy.props.StringProperty(default="*.csv", options={"HIDDEN"})
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         return operator.no_sky(context)
 
     def invoke(self, context, event):

@@ -45,4 +45,4 @@ def _follow(material: bpy.types.Material, library: Any) -> str:
         return ""
     own.filepath = library.paths[number]
     own.column = library.names[number]
-    return f"{material.name}: its file is found at {own.filepath}"
+    return f"{material.name}: its file was found at {own.filepath}"

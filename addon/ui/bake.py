@@ -9,30 +9,28 @@ from . import operator, properties, update
 
 
 class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
-    """Find out what each vertex of the spectral materials sees of the sky. Esc ends it"""
+    """Compute how much of the sky each vertex of spectral materials sees. Press Esc to stop"""
 
     bl_idname = "skylight.bake"
     bl_label = "Bake Sky Shadows"
     doing = "Baking"
 
-    selected: bpy.props.BoolProperty(
-        name="Selected Only", description="Leave other objects' bakes as they are"
-    )
+    selected: bpy.props.BoolProperty(name="Selected Only", description="Bake only selected objects")
     changed: bpy.props.BoolProperty(
         name="Changed Only",
-        description="Leave objects alone around which nothing has changed",
+        description="Bake only objects that changed or whose surroundings changed",
         default=True,
     )
     rays: bpy.props.IntProperty(
         name="Rays",
-        description="From each point; 0: as many as the installed ray caster is good for",
+        description="Rays per point. 0: chosen automatically",
         min=0,
         max=8192,
         step=32,
     )
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         return update.nothing_to_update(context)
 
     def work(self, context):
@@ -50,7 +48,7 @@ class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
         """Show bakes in the World, and light them by its sky."""
         from ..scene.bake import scene_bake
 
-        ended = [("WARNING", "the bake was ended before it was done")]
+        ended = [("WARNING", "Baking stopped before it was complete")]
         told = ended if done is None else [("INFO", line) for line in done]
         if not scene_bake.baked():
             return told
@@ -59,15 +57,17 @@ class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
 
 
 class SKYLIGHT_OT_remove_bakes(operator.Thin, bpy.types.Operator):
-    """Take the bakes away from all objects, or the selected ones, without a trace"""
+    """Remove the sky shadow bakes from all objects or from the selected objects"""
 
     bl_idname = "skylight.remove_bakes"
     bl_label = "Remove Bakes"
 
-    selected: bpy.props.BoolProperty(name="Selected Only")
+    selected: bpy.props.BoolProperty(
+        name="Selected Only", description="Remove only the bakes of selected objects"
+    )
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         from ..scene.bake import scene_bake
 
         return "" if scene_bake.baked() else "No object is baked"
@@ -76,7 +76,7 @@ class SKYLIGHT_OT_remove_bakes(operator.Thin, bpy.types.Operator):
         from ..scene.bake import scene_bake
 
         chosen = list(context.view_layer.objects.selected) if self.selected else None
-        return [("INFO", f"{scene_bake.remove(chosen)} bake(s) are gone")]
+        return [("INFO", f"Removed {scene_bake.remove(chosen)} bake(s)")]
 
 
 CLASSES = (SKYLIGHT_OT_bake, SKYLIGHT_OT_remove_bakes)

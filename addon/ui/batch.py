@@ -17,15 +17,15 @@ RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"}
 PACE = 0.5
 """[s] between two looks at a run, only while there is one."""
 
-ENGINE_ITEMS = (("SCENE", "The Scene's", "As the scene is set"), *items(ENGINES))
+ENGINE_ITEMS = (("SCENE", "Scene", "The render engine of the scene"), *items(ENGINES))
 CAMERAS = (
-    ("ALL", "All", "Each camera of the scene"),
-    ("ACTIVE", "Active", "The scene's camera alone"),
-    ("NAMED", "Named", "Those whose names are given, with commas between"),
+    ("ALL", "All", "All cameras of the scene"),
+    ("ACTIVE", "Active", "Only the active camera of the scene"),
+    ("NAMED", "Named", "Cameras from a list of names"),
 )
 SKIES = (
-    ("FILES", "HDRIs", "A sky HDRI, or all of a folder"),
-    ("PLACE", "Date & Place", "Clear skies that are simulated for hours of a day"),
+    ("FILES", "HDRIs", "A sky HDRI, or a folder of them"),
+    ("PLACE", "Date & Place", "Simulated clear skies at times of a day"),
 )
 
 
@@ -34,65 +34,81 @@ class SkylightBatch(bpy.types.PropertyGroup):
 
     out: bpy.props.StringProperty(
         name="Output",
-        description="Folder for pictures, report and all else",
+        description="Folder for the pictures and the report",
         subtype="DIR_PATH",
         options=RELATIVE,
         default="//batch",
     )
-    cameras: bpy.props.EnumProperty(name="Cameras", items=CAMERAS)
-    names: bpy.props.StringProperty(name="Names", description="Of cameras, commas between")
-    source: bpy.props.EnumProperty(name="Skies", items=SKIES)
+    cameras: bpy.props.EnumProperty(name="Cameras", description="Cameras to render", items=CAMERAS)
+    names: bpy.props.StringProperty(
+        name="Names", description="Names of cameras, separated by commas"
+    )
+    source: bpy.props.EnumProperty(name="Skies", description="Source of the skies", items=SKIES)
     files: bpy.props.StringProperty(
         name="HDRIs",
-        description="An .exr or .hdr, or a folder of them",
+        description="An .exr or .hdr file, or a folder of them",
         subtype="FILE_PATH",
         options=RELATIVE,
     )
-    date: bpy.props.StringProperty(name="Date", description="YYYY-MM-DD", default="2025-06-21")
+    date: bpy.props.StringProperty(
+        name="Date", description="Date as YYYY-MM-DD", default="2025-06-21"
+    )
     times: bpy.props.StringProperty(
-        name="Times", description="Local, commas between", default="09:00, 12:00, 15:00"
+        name="Times", description="Local times, separated by commas", default="09:00, 12:00, 15:00"
     )
     latitude: bpy.props.FloatProperty(
-        name="Latitude", description="[°], north positive", min=-90, max=90, precision=4
+        name="Latitude",
+        description="Latitude in degrees, north is positive",
+        min=-90,
+        max=90,
+        precision=4,
     )
     longitude: bpy.props.FloatProperty(
-        name="Longitude", description="[°], east positive", min=-180, max=180, precision=4
+        name="Longitude",
+        description="Longitude in degrees, east is positive",
+        min=-180,
+        max=180,
+        precision=4,
     )
     timezone: bpy.props.StringProperty(
         name="Time Zone",
-        description="Europe/Berlin, which knows summer time, or hours east of UTC: +2",
+        description="Name such as Europe/Berlin, which includes daylight saving time, or hours "
+        "east of UTC such as +2",
         default="UTC",
     )
     north: bpy.props.FloatProperty(
         name="North",
-        description="Where true north is in the scene: [°] clockwise from +Y, seen from above",
+        description="Direction of true north in degrees, clockwise from +Y as seen from above",
         min=-360,
         max=360,
         precision=2,
     )
     variants: bpy.props.StringProperty(
         name="Variants",
-        description="CSVs with columns material and reflectance (FILE.csv:COLUMN): one, or a "
-        "folder of them; empty: materials as they are",
+        description="A CSV with the columns material and reflectance (FILE.csv:COLUMN), or a "
+        "folder of them. Leave empty to keep the materials",
         subtype="FILE_PATH",
         options=RELATIVE,
     )
-    engine: bpy.props.EnumProperty(name="Engine", items=ENGINE_ITEMS)
+    engine: bpy.props.EnumProperty(name="Engine", description="Render engine", items=ENGINE_ITEMS)
     samples: bpy.props.IntProperty(
-        name="Samples", description="0: the scene's", min=0, soft_max=4096
+        name="Samples", description="Samples per pixel. 0: as the scene has", min=0, soft_max=4096
     )
     workers: bpy.props.IntProperty(
-        name="Processes", description="0: as many as are useful here", min=0, max=64
+        name="Processes",
+        description="Number of Blender processes. 0: chosen automatically",
+        min=0,
+        max=64,
     )
 
 
 class SkylightBatchRun(bpy.types.PropertyGroup):
     """How far the run of this session is, as `window_manager.skylight_batch`: no undo turns it."""
 
-    state: bpy.props.StringProperty(description="As `batch.background` has it; empty before any")
-    line: bpy.props.StringProperty(description="What to say of it")
-    factor: bpy.props.FloatProperty(min=0, max=1)
-    report: bpy.props.StringProperty(description="Path of the report, once it is there")
+    state: bpy.props.StringProperty(description="State of the run. Empty before the first run")
+    line: bpy.props.StringProperty(description="Progress of the run, in words")
+    factor: bpy.props.FloatProperty(description="Completed fraction of the run", min=0, max=1)
+    report: bpy.props.StringProperty(description="Path of the report, once it exists")
 
 
 _run = None  # the one `batch.background.Background` of this session
@@ -137,8 +153,8 @@ def _files(what: str, path: Path, suffixes: tuple[str, ...], given: str) -> list
         return [path]
     found = sorted(p for p in path.glob("*") if p.suffix.lower() in suffixes) if given else []
     if not found:
-        cure = f"choose one that ends in {' or '.join(suffixes)}, or a folder of them"
-        raise InputError(what, f'"{given}" holds none', cure)
+        cure = f"choose an {' or '.join(suffixes)} file, or a folder of them"
+        raise InputError(what, f'"{given}" has no such file', cure)
     return found
 
 
@@ -149,42 +165,42 @@ def study_path() -> Path:
 
 
 def _unsaved() -> str:
-    return "" if bpy.data.filepath else "Save the file first: the study lies beside it"
+    return "" if bpy.data.filepath else "Save the file first: the study is written next to it"
 
 
 def _changed() -> str:
-    return "Save the file first: what is on disk is rendered" if bpy.data.is_dirty else ""
+    return "Save the file first: the saved file is rendered" if bpy.data.is_dirty else ""
 
 
 class SKYLIGHT_OT_batch_write(operator.Thin, bpy.types.Operator):
-    """Write the study beside the file, for the command line and for a farm"""
+    """Write the study next to the blend file, for the command line or a render farm"""
 
     bl_idname = "skylight.batch_write"
     bl_label = "Write Study"
     bl_options = {"REGISTER"}
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         return _unsaved()
 
     def run(self, context):
         from ..batch.write_study import write_study
 
         write_study(study_path(), study_values(context.scene))
-        return [("INFO", f"{study_path()} is written")]
+        return [("INFO", f"Wrote {study_path()}")]
 
 
 class SKYLIGHT_OT_batch_start(operator.Thin, bpy.types.Operator):
-    """Write the study and render it in the background, in processes of its own"""
+    """Write the study and render it in background processes"""
 
     bl_idname = "skylight.batch_start"
     bl_label = "Render Study"
     bl_options = {"REGISTER"}
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         if _run is not None and _run.running:
-            return "A study is being rendered"
+            return "A study is rendering"
         return _unsaved() or _changed()
 
     def run(self, context):
@@ -199,25 +215,25 @@ class SKYLIGHT_OT_batch_start(operator.Thin, bpy.types.Operator):
         watch()
         if not bpy.app.timers.is_registered(watch):
             bpy.app.timers.register(watch, first_interval=PACE, persistent=True)
-        return [("INFO", f"{study_path().name} is rendered in the background")]
+        return [("INFO", f"Rendering {study_path().name} in the background")]
 
 
 class SKYLIGHT_OT_batch_cancel(operator.Thin, bpy.types.Operator):
-    """End the run in the background; what it has rendered stays"""
+    """Stop the background run. Finished pictures are kept"""
 
     bl_idname = "skylight.batch_cancel"
     bl_label = "Cancel"
     bl_options = {"REGISTER"}
 
     @classmethod
-    def hindrance(cls, context):
-        return "" if _run is not None and _run.running else "No study is being rendered"
+    def disabled_reason(cls, context):
+        return "" if _run is not None and _run.running else "No study is rendering"
 
     def run(self, context):
         assert _run is not None
         _run.cancel()
         watch()
-        return [("INFO", "the run is ended; what was rendered stays")]
+        return [("INFO", "Run stopped. Finished pictures are kept")]
 
 
 def watch() -> float | None:

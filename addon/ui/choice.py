@@ -13,7 +13,7 @@ from ..errors import InputError
 from .labels import told
 
 UNITS = (
-    ("AUTO", "From the File", "By the column headers, else by the size of the numbers"),
+    ("AUTO", "From the File", "From the column headers, or from the range of the values"),
     *items(choices.UNITS, upper=True),
 )
 KINDS = items(choices.KINDS)
@@ -27,24 +27,25 @@ class Fields:
     """What is chosen for a material, as properties and operators have it."""
 
     column: bpy.props.StringProperty(
-        name="Column", description="Which of the file's materials; empty: the only one"
+        name="Column", description="Column of the file. Leave empty if it has only one"
     )
     unit: bpy.props.EnumProperty(
-        name="Unit", description="What the file's numbers are", items=UNITS
+        name="Unit", description="Unit of the values in the file", items=UNITS
     )
     pane: bpy.props.EnumProperty(
         name="Pane",
-        description="How glass is modelled: it tints once, however many faces it has",
+        description="How the mesh models the glass. The pane tints light once",
         items=PANES,
     )
     behind: bpy.props.StringProperty(
         name="Behind Glass",
-        description="Transmittance of a glazing through which alone this surface is lit, for light "
-        "that passed it has another spectrum; empty: none",
+        description="Transmittance of the glass that all light on this surface passes through. "
+        "Leave empty if there is none",
         subtype="FILE_PATH",
     )
     behind_column: bpy.props.StringProperty(
-        name="Glass Column", description="Which of the glazing file's; empty: the only one"
+        name="Glass Column",
+        description="Column of the glass file. Leave empty if it has only one",
     )
 
 
@@ -122,10 +123,10 @@ def changed_files(materials) -> tuple[dict[bpy.types.Material, str], list[str]]:
         try:
             found = read(material)
         except InputError as error:
-            lost.append(f"{material.name} keeps its reflectance, but {told(error)}")
+            lost.append(f"{material.name} keeps its reflectance. {told(error)}")
         else:
             if found.hash != managed.record.reflectance_hash:
-                changed[material] = f"{bpy.path.basename(own.filepath)} has changed: apply it anew"
+                changed[material] = f"{bpy.path.basename(own.filepath)} has changed: apply it again"
     return changed, lost
 
 

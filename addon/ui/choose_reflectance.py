@@ -16,18 +16,22 @@ ENDINGS = tuple(_ENDINGS.split(" "))
 
 
 class SKYLIGHT_OT_choose_reflectance(choice.Fields, operator.Thin, bpy.types.Operator):
-    """Choose the file with what was measured of a material; it shows once it is applied"""
+    """Choose the file with a material's measured reflectance. Press Apply to use it"""
 
     bl_idname = "skylight.choose_reflectance"
     bl_label = "Choose Reflectance"
 
     filepath: bpy.props.StringProperty(
-        name="File", description="Wavelength in nm, then measured values", subtype="FILE_PATH"
+        name="File",
+        description="File with wavelengths in nm and measured values",
+        subtype="FILE_PATH",
     )
     kind: bpy.props.EnumProperty(
         name="Measured", description="What the file holds", items=choice.KINDS
     )
-    material: bpy.props.StringProperty(name="Material", description="Empty: the active one")
+    material: bpy.props.StringProperty(
+        name="Material", description="Leave empty for the active material"
+    )
     filter_glob: bpy.props.StringProperty(
         default=";".join(f"*{ending}" for ending in ENDINGS), options={"HIDDEN"}
     )
@@ -44,7 +48,7 @@ class SKYLIGHT_OT_choose_reflectance(choice.Fields, operator.Thin, bpy.types.Ope
         names = own.read_names(self.filepath, self.kind if "kind" in told else own.kind)
         if self.column and self.column not in names:
             some = ", ".join(f"'{name}'" for name in names[:8])
-            raise InputError(self.filepath, f"no column '{self.column}'", f"there are {some}")
+            raise InputError(self.filepath, f"no column '{self.column}'", f"its columns are {some}")
         for name in told:
             setattr(own, name, getattr(self, name))
         own.filepath = self.filepath

@@ -18,7 +18,7 @@ def _columns(self, context):
 
 
 class SKYLIGHT_OT_drop_reflectance(choice.Fields, operator.Thin, bpy.types.Operator):
-    """Give the material under the mouse, or the active one, a reflectance from the dropped file"""
+    """Assign a reflectance of the dropped file to the material under the mouse or the active one"""
 
     bl_idname = "skylight.drop_reflectance"
     bl_label = "Assign Reflectance"
@@ -31,12 +31,12 @@ class SKYLIGHT_OT_drop_reflectance(choice.Fields, operator.Thin, bpy.types.Opera
         name="Measured", description="What the file holds", items=choice.KINDS
     )
     material: bpy.props.StringProperty(
-        name="Material", description="Empty: that of the object, else the active one"
+        name="Material", description="Leave empty for the object's material, or the active one"
     )
     object: bpy.props.StringProperty(name="Object", options={"SKIP_SAVE"})
     slot: bpy.props.IntProperty(name="Material Slot", min=0, options={"SKIP_SAVE"})
     chosen: bpy.props.EnumProperty(
-        name="Column", description="Which of the file's", items=_columns, options={"SKIP_SAVE"}
+        name="Column", description="Column of the file", items=_columns, options={"SKIP_SAVE"}
     )
 
     def invoke(self, context, event):
@@ -59,7 +59,7 @@ class SKYLIGHT_OT_drop_reflectance(choice.Fields, operator.Thin, bpy.types.Opera
 
     def run(self, context):
         if not self.filepath:
-            raise InputError("the file", "is not named", "drop one, or give its filepath")
+            raise InputError("the file", "has no path", "drop a file, or set filepath")
         from ..scene import use_cases
 
         column = self.column
@@ -70,7 +70,7 @@ class SKYLIGHT_OT_drop_reflectance(choice.Fields, operator.Thin, bpy.types.Opera
             if len(kinds) > 1:
                 some = ", ".join(f"'{name}'" for name in list(kinds)[:8])
                 raise InputError(
-                    self.filepath, f"holds {len(kinds)} materials", f"name a column: {some}"
+                    self.filepath, f"holds {len(kinds)} materials", f"choose a column: {some}"
                 )
             column = next(iter(kinds))
         kind = assign.kind(kinds.get(column, ""))

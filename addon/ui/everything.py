@@ -8,8 +8,8 @@ from . import choice, operator, properties, update
 
 
 class SKYLIGHT_OT_make_spectral(operator.Long, bpy.types.Operator):
-    """Make every material of the scene spectral: by its measured reflectance where one is chosen, \
-else by one restored from its base color. What cannot be is listed with the reason. Esc ends it"""
+    """Make all materials of the scene spectral. Each uses its chosen file, or an estimate from \
+its base color. Materials left alone are listed with the reason. Press Esc to stop"""
 
     bl_idname = "skylight.make_spectral"
     bl_label = "Make Everything Spectral"
@@ -17,12 +17,12 @@ else by one restored from its base color. What cannot be is listed with the reas
 
     estimate: bpy.props.BoolProperty(
         name="Estimate",
-        description="Restore the reflectances that nobody measured from the materials' base colors",
+        description="Estimate missing reflectances from the base colors of the materials",
         default=True,
     )
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         found = any(obj.material_slots for obj in context.scene.objects)
         return operator.no_sky(context) or ("" if found else "No object has a material")
 
@@ -35,10 +35,10 @@ else by one restored from its base color. What cannot be is listed with the reas
 
     def finish(self, context, done):
         if done is None:
-            return [("WARNING", "ended before it was done: the materials so far are spectral")]
+            return [("WARNING", "Stopped: the materials so far are spectral")]
         lines = [("WARNING", r.line) for r in done.results if r.out_of_gamut]
         lines += update.unbaked(context)
-        lines += [("INFO", f"left alone: {name}: {why}") for name, why in done.left]
+        lines += [("INFO", f"Left alone: {name}: {why}") for name, why in done.left]
         return [*lines, ("INFO", operator.caption(context.scene.world)), ("INFO", done.line)]
 
 

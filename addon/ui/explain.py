@@ -12,13 +12,15 @@ WIDTH = 600
 
 
 class SKYLIGHT_OT_explain(bpy.types.Operator):
-    """Show every step from the material's file to its color, and what looks wrong"""
+    """Show each step from the material's file to its color, and list what looks wrong"""
 
     bl_idname = "skylight.explain"
     bl_label = "Why Is This Color Wrong?"
     bl_options = {"REGISTER"}
 
-    material: bpy.props.StringProperty(name="Material", description="Empty: the active one")
+    material: bpy.props.StringProperty(
+        name="Material", description="Leave empty for the active material"
+    )
 
     def invoke(self, context, event):
         """Open the text over the panel."""

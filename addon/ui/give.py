@@ -22,7 +22,7 @@ def give(context: bpy.types.Context, chosen: Mapping[bpy.types.Material, Chosen]
     read = {m: one.read(m.skylight.absolute) for m, one in chosen.items()}
     lines: Lines = [("INFO", f"{m.name}: {note}") for m, one in read.items() for note in one.notes]
     if operator.no_sky(context):
-        said = "is chosen; it shows once the World has a sky and it is applied"
+        said = "is chosen. Load a sky, then press Apply"
         lines += [("INFO", f"{m.name}: {one.column} {said}") for m, one in read.items()]
     else:
         settings = properties.settings_of(context.scene.world)

@@ -18,14 +18,14 @@ class SkylightSpectrum(bpy.types.PropertyGroup):
     number: bpy.props.IntProperty()
     sky: bpy.props.FloatVectorProperty(
         name="Under This Sky",
-        description="Its colour on level ground under this sky; a white diffuser has luminance 1",
+        description="Color on level ground under this sky. A white diffuser has luminance 1",
         subtype="COLOR",
         get=lambda self: library_state.colour(library_state.under_sky, self.number),
         set=lambda self, value: None,  # Blender draws a read-only colour dimmed: another colour
     )
     daylight: bpy.props.FloatVectorProperty(
         name="Under D65",
-        description="Its colour under D65: what colour samples are compared in",
+        description="Color under D65, the standard light for comparing samples",
         subtype="COLOR",
         get=lambda self: library_state.colour(library_state.daylight, self.number),
         set=lambda self, value: None,
@@ -39,11 +39,11 @@ class SkylightLibrary(bpy.types.PropertyGroup):
     active: bpy.props.IntProperty(name="Reflectance")
     search: bpy.props.StringProperty(
         name="Search",
-        description="Words that name, kind or file of a reflectance must all have",
+        description="Show reflectances whose name, kind or file contains all these words",
         options={"TEXTEDIT_UPDATE"},
     )
     order: bpy.props.EnumProperty(
-        name="Order", description="How it is sorted", items=items(ORDERS, upper=True)
+        name="Order", description="How the list is sorted", items=items(ORDERS, upper=True)
     )
 
 
@@ -67,8 +67,8 @@ class SKYLIGHT_UL_library(bpy.types.UIList):
 
 
 class SKYLIGHT_OT_refresh_library(operator.Long, bpy.types.Operator):
-    """Read the library's folders, and show its colours under this sky; what materials were given \
-stays. Esc ends it"""
+    """Read the library's folders and show the colors under this sky. Assigned materials do not \
+change. Press Esc to stop"""
 
     bl_idname = "skylight.refresh_library"
     bl_label = "Refresh Library"
@@ -84,7 +84,7 @@ stays. Esc ends it"""
         from . import assignments
 
         if done is None:
-            return [("WARNING", "ended before it was done: what was read is not read again")]
+            return [("WARNING", "Stopped. The next refresh continues from here")]
         own = context.window_manager.skylight_library
         before = library_state.place(library_state.chosen(context))
         library_state.put(done)
@@ -95,15 +95,15 @@ stays. Esc ends it"""
             row.name, row.number = name, number
         places = zip(done.paths, done.names, strict=True)
         own.active = next((k for k, place in enumerate(places) if place == before), 0)
-        unused = f", {done.unused} cannot be used" if done.unused else ""
+        unused = f", {done.unused} unusable" if done.unused else ""
         return [*assignments.refresh(done), ("INFO", f"{len(done)} reflectances{unused}")]
 
 
 class SKYLIGHT_OT_library_problems(bpy.types.Operator):
-    """Show which files and spectra of the library cannot be used, and why"""
+    """List the files and spectra of the library that cannot be used, with the reason"""
 
     bl_idname = "skylight.library_problems"
-    bl_label = "What Cannot Be Used"
+    bl_label = "Unusable Files"
 
     def invoke(self, context, event):
         """Open the list."""
@@ -140,7 +140,7 @@ class SKYLIGHT_PT_library(bpy.types.Panel):
         own = context.window_manager.skylight_library
         number = library_state.chosen(context)
         if number is None:
-            text = "Colour checkers, and the measured materials in your folders"
+            text = "Color checkers, and the measured materials in your folders"
             panel_text.paragraph(layout, context, text)
             layout.operator("skylight.refresh_library", text="Show Library", icon="ASSET_MANAGER")
         else:
@@ -158,7 +158,12 @@ def _list(layout, context, own) -> None:
     layout.label(text="This sky · D65" if lit else "D65: the World has no sky")
     layout.template_list("SKYLIGHT_UL_library", "", own, "spectra", own, "active", rows=ROWS)
     if library_state.sky_key(context) != library_state.lit_by:
-        panel_text.paragraph(layout, context, "The sky has changed: refresh the swatches", "INFO")
+        panel_text.paragraph(
+            layout,
+            context,
+            "The sky has changed. Press Refresh Library to update the swatches",
+            "INFO",
+        )
 
 
 def _about(layout, context, number: int) -> None:
@@ -173,7 +178,7 @@ def _about(layout, context, number: int) -> None:
     row.operator("skylight.assign_to_selected")
     layout.operator("skylight.write_assets", icon="ASSET_MANAGER")
     if found.problems:
-        text = f"{found.unused} Cannot Be Used..."
+        text = f"{found.unused} Unusable..."
         layout.operator("skylight.library_problems", text=text, icon="ERROR")
 
 

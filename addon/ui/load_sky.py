@@ -8,7 +8,7 @@ from . import give, operator, properties
 
 
 class SKYLIGHT_OT_load_sky(operator.Thin, bpy.types.Operator):
-    """Light the scene by a sky HDRI; spectral materials follow, for they need its light"""
+    """Light the scene with a sky HDRI and update the spectral materials"""
 
     bl_idname = "skylight.load_sky"
     bl_label = "Load Sky HDRI"
@@ -28,9 +28,9 @@ class SKYLIGHT_OT_load_sky(operator.Thin, bpy.types.Operator):
         settings = properties.settings_of(scene.world)
         path = bpy.path.abspath(self.filepath)
         found = use_cases.load_sky(scene, path, settings)
-        count = f"; {len(found.results)} materials follow" if found.results else ""
+        count = f", {len(found.results)} material(s) updated" if found.results else ""
         name = "" if found.light is None else found.light.name
-        lines = [*give.warnings(found.skipped), ("INFO", f"sky: {name}{count}")]
+        lines = [*give.warnings(found.skipped), ("INFO", f"Sky: {name}{count}")]
         return [*lines, ("INFO", operator.caption(scene.world))]
 
 

@@ -94,7 +94,7 @@ class SKYLIGHT_PT_lamp(Properties, bpy.types.Panel):
         if light is None:
             return
         self.layout.prop(light.skylight, "spectrum")
-        panel_text.paragraph(self.layout, context, "Shows on spectral materials after Update")
+        panel_text.paragraph(self.layout, context, "Press Update to apply it to spectral materials")
 
 
 CLASSES = (SKYLIGHT_PT_material_properties, SKYLIGHT_PT_lamp)

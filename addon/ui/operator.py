@@ -26,13 +26,13 @@ class Thin:
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Whether the button can be pressed; it says why not."""
-        reason = cls.hindrance(context)
+        reason = cls.disabled_reason(context)
         if reason:
             cls.poll_message_set(reason)  # type: ignore[attr-defined]
         return not reason
 
     @classmethod
-    def hindrance(cls, context: bpy.types.Context) -> str:
+    def disabled_reason(cls, context: bpy.types.Context) -> str:
         """Why the operator cannot run here, empty where it can."""
         return ""
 
@@ -113,7 +113,7 @@ class Long(Thin):
                 self._tidy(context)
                 raise
             context.window_manager.progress_update(100 * progress.done)
-            text = f"{self.doing} {progress.line}: {100 * progress.done:.0f} %. Esc ends"
+            text = f"{self.doing} {progress.line}: {100 * progress.done:.0f} %. Press Esc to stop"
             context.workspace.status_text_set(text)
         return {"RUNNING_MODAL"}
 

@@ -53,7 +53,9 @@ def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     for note in found.notes:
         paragraph(layout, context, note, "INFO")
     if found.image != seen.name or found.space != working_space.name():
-        paragraph(layout, context, "HDRI or working space have changed: press Update", "ERROR")
+        paragraph(
+            layout, context, "The HDRI or the working space has changed. Press Update", "ERROR"
+        )
 
 
 def model(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -69,8 +71,8 @@ def model(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     paragraph(
         layout,
         context,
-        f"irradiance of degree {found.degree}: off by {100 * left['worst']:.1f} % at worst, "
-        f"{100 * left['mean']:.2f} % in the mean",
+        f"Irradiance of degree {found.degree}: largest error {100 * left['worst']:.1f} %, "
+        f"mean {100 * left['mean']:.2f} %",
     )
 
 
@@ -104,17 +106,17 @@ def material(
     if why := staleness_handlers.stale(shown):
         paragraph(box, context, why, "ERROR")
     if tags.SHOWS_RGB in shown:
-        paragraph(box, context, "shows RGB × RGB now", "ERROR")
+        paragraph(box, context, "Shows RGB × RGB", "ERROR")
     choice = shown.skylight
     applied = name.partition(BEHIND)[0]
     if choice.column and choice.kind == "REFLECTANCE" and choice.column != applied:
-        paragraph(box, context, f"{choice.column} is chosen but not applied yet", "ERROR")
+        paragraph(box, context, f"{choice.column} is not applied yet. Press Apply", "ERROR")
     box.prop(choice, "swatch")
     if choice.swatch_scale < 1.0:
-        text = f"brighter than white: shown at {100 * choice.swatch_scale:.2g} % of its brightness"
+        text = f"Brighter than white. The swatch shows {100 * choice.swatch_scale:.2g} % of it"
         paragraph(box, context, text)
     for sentence in managed.details.sentences:
         paragraph(box, context, sentence)
     if managed.world != context.scene.world:
         name = managed.world.name if managed.world else "none"
-        paragraph(box, context, f"lit by World {name}, not this scene's: press Update", "ERROR")
+        paragraph(box, context, f"Lit by World {name}, not by this scene's. Press Update", "ERROR")

@@ -80,7 +80,7 @@ class SKYLIGHT_PT_light(OfWorld, bpy.types.Panel):
 class SKYLIGHT_PT_numbers(OfWorld, bpy.types.Panel):
     """What the HDRI's numbers mean."""
 
-    bl_label = "What the HDRI's Numbers Mean"
+    bl_label = "HDRI Interpretation"
     bl_order = 12
 
     def draw(self, context):
@@ -150,7 +150,7 @@ class SKYLIGHT_PT_left(Child, bpy.types.Panel):
 class SKYLIGHT_PT_exactness(OfWorld, bpy.types.Panel):
     """How exact materials are to be, and what of their look stays."""
 
-    bl_label = "Exactness and Gloss"
+    bl_label = "Accuracy and Gloss"
     bl_parent_id = "SKYLIGHT_PT_materials"
     bl_order = 29
 
@@ -164,7 +164,7 @@ class SKYLIGHT_PT_exactness(OfWorld, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("skylight.write_assignments")
         row.operator("skylight.read_assignments")
-        panel_text.paragraph(layout, context, "Changes show after Update")
+        panel_text.paragraph(layout, context, "Press Update to apply changes")
 
 
 class SKYLIGHT_PT_result(Child, bpy.types.Panel):

@@ -40,12 +40,14 @@ class Curve(OfMaterial):
             return
         _show(self.layout, context, found, "draw_curve")
         if found.estimated:
-            panel_text.paragraph(self.layout, context, "Estimated: nobody measured it", "INFO")
+            panel_text.paragraph(self.layout, context, "Estimated, not measured", "INFO")
         elif found.measured is not None:
             low, high = found.measured
             panel_text.paragraph(self.layout, context, f"Measured from {low:g} to {high:g} nm")
         if found.spectrum is None:
-            panel_text.paragraph(self.layout, context, "The sky's spectrum shows after Update")
+            panel_text.paragraph(
+                self.layout, context, "Press Update to show the spectrum of the sky"
+            )
 
 
 class Matrix(OfMaterial):
@@ -60,7 +62,7 @@ class Matrix(OfMaterial):
         if found is None:
             return
         _show(self.layout, context, found, "draw_matrix")
-        panel_text.paragraph(self.layout, context, "RGB × RGB knows the outlined diagonal alone")
+        panel_text.paragraph(self.layout, context, "RGB × RGB uses only the outlined diagonal")
 
 
 class SKYLIGHT_PT_curve(Curve, panels.Sidebar, bpy.types.Panel):
@@ -101,10 +103,10 @@ class SKYLIGHT_PT_sky_map(panels.OfWorld, bpy.types.Panel):
         world, theme = context.scene.world, _theme()
         sky = portraits.sky_key(world)
         if sky is None:
-            panel_text.paragraph(self.layout, context, "Shows once a material is spectral")
+            panel_text.paragraph(self.layout, context, "Make a material spectral to show the map")
             return
         _picture(self.layout, context, (sky, theme), partial(_draw_sky, world.session_uid, theme))
-        text = "Magenta is no light of sun and sky: leaves, walls, lamps, a tint"
+        text = "Magenta marks light that is not from sun or sky: leaves, walls, lamps, a tint"
         panel_text.paragraph(self.layout, context, text)
 
 
@@ -125,7 +127,7 @@ class SKYLIGHT_PT_errors(panels.Child, bpy.types.Panel):
             return
         known = [value for _, *row in rows for value in row if math.isfinite(value)]
         longest = max([1.0, *known])
-        text = "ΔE (CIEDE2000; 1 is just noticeable): RGB × RGB, then spectral"
+        text = "ΔE (CIEDE2000, 1 is just noticeable) of RGB × RGB, then of spectral"
         panel_text.paragraph(self.layout, context, text)
         for name, today, ours in rows[:ROWS]:
             split = self.layout.split(factor=0.4)
@@ -149,7 +151,7 @@ def _draw_sky(uid: int, theme: str) -> Any:
 
     world = next((each for each in bpy.data.worlds if each.session_uid == uid), None)
     if world is None:
-        raise InputError("the World", "is gone", "choose another")
+        raise InputError("the World", "no longer exists", "choose another")
     light = use_cases.analyzed(world, properties.settings_of(world))
     return sky_map(light.outside, light.sky, light.sun, theme=THEMES[theme])
 

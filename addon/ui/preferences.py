@@ -18,8 +18,8 @@ class SkylightFolder(bpy.types.PropertyGroup):
 
     path: bpy.props.StringProperty(
         name="Folder",
-        description="Read with all folders in it: CSV, USGS, ECOSTRESS, SLUM, IGSDB, CGATS, CxF, "
-        "MATLAB, ENVI",
+        description="Folder of reflectance files, with its subfolders: CSV, USGS, ECOSTRESS, SLUM, "
+        "IGSDB, CGATS, CxF, MATLAB, ENVI",
         subtype="DIR_PATH",
     )
 
@@ -61,7 +61,7 @@ def draw_folders(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
 
 
 class SKYLIGHT_OT_add_folder(operator.Thin, bpy.types.Operator):
-    """Add a folder of reflectance files to the library, with all folders in it, and read it"""
+    """Add a folder of reflectance files, with its subfolders, to the library and read it"""
 
     bl_idname = "skylight.add_folder"
     bl_label = "Add Folder..."
@@ -70,7 +70,7 @@ class SKYLIGHT_OT_add_folder(operator.Thin, bpy.types.Operator):
     filter_folder: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         return "" if of(context) else "Enable the add-on in the preferences"
 
     def invoke(self, context, event):
@@ -79,7 +79,7 @@ class SKYLIGHT_OT_add_folder(operator.Thin, bpy.types.Operator):
     def run(self, context):
         folder = Path(bpy.path.abspath(self.directory))
         if not self.directory or not folder.is_dir():
-            raise InputError(self.directory or "the folder", "is no folder", "choose a folder")
+            raise InputError(self.directory or "the folder", "is not a folder", "choose a folder")
         own = of(context)
         if all(Path(known) != folder for known in folders(context)):
             own.folders.add().path = str(folder)
@@ -87,24 +87,24 @@ class SKYLIGHT_OT_add_folder(operator.Thin, bpy.types.Operator):
         # With a window it goes on by itself, with progress, and Esc ends it.
         how = "EXEC_DEFAULT" if context.window is None else "INVOKE_DEFAULT"
         bpy.ops.skylight.refresh_library(how)
-        return [("INFO", f"{folder} is part of the library")]
+        return [("INFO", f"Added {folder} to the library")]
 
 
 class SKYLIGHT_OT_remove_folder(operator.Thin, bpy.types.Operator):
-    """Take a folder off the library; its files, and what materials were given, stay"""
+    """Remove a folder from the library. Its files and the assigned materials do not change"""
 
     bl_idname = "skylight.remove_folder"
     bl_label = "Remove Folder"
 
-    number: bpy.props.IntProperty(name="Number", description="Which of the folders, from 0")
+    number: bpy.props.IntProperty(name="Number", description="Index of the folder, from 0")
 
     def run(self, context):
         own = of(context)
         if own is None or not 0 <= self.number < len(own.folders):
-            raise InputError("the library", f"has no folder {self.number}", "name another")
+            raise InputError("the library", f"has no folder {self.number}", "choose another number")
         own.folders.remove(self.number)
         context.preferences.is_dirty = True
-        return [("INFO", "Refresh shows the library without it")]
+        return [("INFO", "Press Refresh Library to update the list")]
 
 
 CLASSES = (

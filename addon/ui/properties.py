@@ -83,26 +83,27 @@ class SkylightReflectance(choice.Fields, bpy.types.PropertyGroup):
 
     filepath: bpy.props.StringProperty(
         name="Reflectance File",
-        description="CSV: wavelength in nm, then a column of measured values per material; for a "
-        "metal wavelength, n and k",
+        description="CSV with wavelengths in nm and one column of measured values per material. "
+        "For a metal: wavelength, n and k",
         update=_file_changed,
     )
     kind: bpy.props.EnumProperty(
         name="Measured", description="What the file holds", items=choice.KINDS, update=_file_changed
     )
     column: bpy.props.StringProperty(
-        name="Column", description="Which of the file's materials this one is", search=_columns
+        name="Column", description="Column of the file that holds this material", search=_columns
     )
     problem: bpy.props.StringProperty(description="Why the file cannot be read")
     swatch: bpy.props.FloatVectorProperty(
         name="Under This Sky",
-        description="The material's colour on level ground under this sky; white there is 1",
+        description="Color of the material on level ground under this sky. White has luminance 1",
         subtype="COLOR",
         get=_swatch,
         set=lambda self, value: None,  # Blender draws a read-only colour dimmed: another colour
     )
     swatch_scale: bpy.props.FloatProperty(
-        description="What the colour was multiplied by for the swatch to show it", get=_swatch_scale
+        description="Factor by which the swatch darkens a color that is brighter than white",
+        get=_swatch_scale,
     )
 
     def read_names(self, filepath: str, kind: str) -> tuple[str, ...]:
@@ -173,8 +174,8 @@ class SkylightLamp(bpy.types.PropertyGroup):
 
     spectrum: bpy.props.StringProperty(
         name="Spectrum",
-        description="A CSV (FILE.csv:COLUMN), an illuminant (A, FL11, LED-B3) or a temperature "
-        "(2700K); empty: restored from the lamp's colour",
+        description="A CSV (FILE.csv:COLUMN), an illuminant (A, FL11, LED-B3) or a color "
+        "temperature (2700K). Leave empty to restore it from the lamp's color",
         get=_spectrum,
         set=_set_spectrum,
     )
@@ -190,17 +191,17 @@ class SkylightNumbers(bpy.types.PropertyGroup):
     basis: _stored_enum(
         "basis",
         items(offered_bases()),
-        name="Skylight Model",
-        description="Which spectra skylight is expected to be mixed of",
+        name="Basis",
+        description="Spectra that skylight is mixed from",
     )
     sun: _stored_bool(
         "sun",
         name="Sun",
-        description="Let the HDRI's sun shine on spectral materials: a lamp with its spectrum, "
-        "which costs a second look at the light for each pixel",
+        description="The HDRI's sun shines on spectral materials, as a lamp with its own spectrum. "
+        "Adds one shading pass per pixel",
     )
     ground: _stored_enum(
-        "ground", items(GROUNDS), name="Ground", description="Where light from below comes from"
+        "ground", items(GROUNDS), name="Ground", description="Source of the light from below"
     )
     occlusion: _stored_enum(
         "occlusion",
@@ -211,17 +212,17 @@ class SkylightNumbers(bpy.types.PropertyGroup):
     bounce: _stored_bool(
         "bounce",
         name="Bounce",
-        description="Bake the light that one bounce between spectral materials brings too",
+        description="Also bake the light that spectral materials reflect onto each other",
     )
     gloss: _stored_bool(
         "gloss",
         name="Keep Gloss",
-        description="Keep the gloss and metal of materials over their measured base",
+        description="Keep the specular and metallic layers of each material over its measured base",
     )
     tolerance: bpy.props.FloatProperty(
         name="Tolerance",
-        description="Error in colour (CIEDE2000) that is good enough: 1 is just noticeable. Each "
-        "material gets the least model that keeps to it; 0: the full one always",
+        description="Largest acceptable color error (CIEDE2000 ΔE). 1 is just noticeable. Each "
+        "material uses the simplest model within it. 0: always use the full model",
         min=0.0,
         max=10.0,
         precision=2,
@@ -230,21 +231,21 @@ class SkylightNumbers(bpy.types.PropertyGroup):
     )
     camera: bpy.props.StringProperty(
         name="Camera",
-        description="Only for an HDRI of raw camera RGB: the camera's name (such as Nikon 5100), "
-        "or a CSV with its sensitivities R, G, B. Load the sky again after a change",
+        description="Only for an HDRI in raw camera RGB: the name of the camera (such as Nikon "
+        "5100) or a CSV with its R, G, B sensitivities. Load the sky again after a change",
         get=lambda self: _stored(self.id_data).camera or "",
         set=lambda self, value: _store(self.id_data, camera=value.strip() or None),
     )
     sun_told: bpy.props.BoolProperty(
-        name="Tell Sun's Elevation",
-        description="Where the HDRI does not show the sun: a low sun's sky has another spectrum, "
-        "and by day is what is expected",
+        name="Set Sun Elevation",
+        description="Set the elevation of a sun that the HDRI does not show. The sky of a low sun "
+        "has a different spectrum. Daytime is assumed otherwise",
         get=lambda self: _stored(self.id_data).sun_elevation is not None,
         set=lambda self, value: _store(self.id_data, sun_elevation=30.0 if value else None),
     )
     sun_elevation: bpy.props.FloatProperty(
         name="Elevation (Degrees)",
-        description="How high the sun stands over the horizon; negative after sunset",
+        description="Elevation of the sun above the horizon. Negative after sunset",
         min=-6.0,
         max=90.0,
         get=lambda self: _stored(self.id_data).sun_elevation or 0.0,
@@ -252,14 +253,14 @@ class SkylightNumbers(bpy.types.PropertyGroup):
     )
     white_balanced: bpy.props.BoolProperty(
         name="White-Balanced",
-        description="Whether the HDRI was white-balanced: the matrices must undo it, or nearly "
-        "all of the gain in colour is lost",
+        description="The HDRI is white-balanced. Spectral materials undo the white balance, or "
+        "they lose nearly all of their accuracy",
         get=lambda self: _stored(self.id_data).white is not None,
         set=lambda self, value: _store(self.id_data, white=(1.0, 1.0, 1.0) if value else None),
     )
     white: bpy.props.FloatVectorProperty(
         name="Neutral Light",
-        description="The RGB that neutral light had before the HDRI was white-balanced",
+        description="RGB of neutral light before the HDRI was white-balanced",
         size=3,
         min=0.0,
         get=lambda self: _stored(self.id_data).white or (1.0, 1.0, 1.0),

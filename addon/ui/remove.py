@@ -18,25 +18,27 @@ class Remove(operator.Thin):
 
 
 class SKYLIGHT_OT_remove(Remove, bpy.types.Operator):
-    """Give the material back as it was before the reflectance was applied, all links and values"""
+    """Restore the material as it was before Apply, with all links and values"""
 
     bl_idname = "skylight.remove"
     bl_label = "Remove"
 
-    material: bpy.props.StringProperty(name="Material", description="Empty: the active one")
+    material: bpy.props.StringProperty(
+        name="Material", description="Leave empty for the active material"
+    )
 
     def targets(self, context):
         return [targets.named(context, self.material)]
 
 
 class SKYLIGHT_OT_remove_selected(Remove, bpy.types.Operator):
-    """Give the materials of all selected objects back as they were before"""
+    """Restore the materials of all selected objects as they were before"""
 
     bl_idname = "skylight.remove_selected"
     bl_label = "Remove from Selection"
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         from ..scene.materials import spectral_material
 
         found = set(spectral_material.ours()) & set(targets.selected(context))
@@ -47,16 +49,16 @@ class SKYLIGHT_OT_remove_selected(Remove, bpy.types.Operator):
 
 
 class SKYLIGHT_OT_remove_all(Remove, bpy.types.Operator):
-    """Give all materials of the file back as they were before, also those of other scenes"""
+    """Restore all materials of the file as they were before, in all scenes"""
 
     bl_idname = "skylight.remove_all"
     bl_label = "Remove from All"
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         from ..scene.materials import spectral_material
 
-        return "" if spectral_material.ours() else "No material of the file is spectral"
+        return "" if spectral_material.ours() else "No material is spectral yet"
 
     def targets(self, context):
         from ..scene.materials import spectral_material

@@ -38,13 +38,15 @@ def problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
             layout, context, f"{material.name}: {staleness_handlers.stale(material)}", "ERROR"
         )
     if found:
-        paragraph(layout, context, "Make Everything Spectral takes that up")
+        paragraph(layout, context, "Press Make Everything Spectral to update it")
     if names := out_of_date.unbaked(context.scene):
-        text = f"not baked, or changed since: {_some(names)}"
+        text = f"Not baked, or changed since: {_some(names)}"
         paragraph(layout, context, text, "ERROR")
         layout.operator("skylight.bake")
     elif staleness_handlers.moved() and out_of_date.are_shown(context.scene):
-        paragraph(layout, context, "Objects have changed since: Update finds old bakes", "INFO")
+        paragraph(
+            layout, context, "Objects have changed. Press Update to find outdated bakes", "INFO"
+        )
 
 
 def left_alone(context: bpy.types.Context) -> list[tuple[str, str]]:
@@ -75,7 +77,7 @@ def before_after(layout: bpy.types.UILayout) -> None:
     if shown:
         row = layout.row()
         row.alert = True
-        row.label(text="Shown and rendered is RGB × RGB now", icon="ERROR")
+        row.label(text="Viewport and renders show RGB × RGB", icon="ERROR")
 
 
 def view(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -85,9 +87,9 @@ def view(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     fit, line = view_transform.transform_line(context.scene)
     paragraph(layout, context, line, "CHECKMARK" if fit else "INFO")
     if not fit:
-        paragraph(layout, context, "To judge colors: Standard, in Render › Color Management")
+        paragraph(layout, context, "To judge colors, set Standard in Render › Color Management")
     on = tags.VIEW in context.scene
-    text = "White as It Was" if on else "Neutral White of This Sky"
+    text = "Restore White Balance" if on else "Balance View to This Sky"
     button = layout.operator("skylight.neutral_white", text=text, depress=on)
     button.on = not on
 
@@ -99,7 +101,7 @@ def caption(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     world = context.scene.world
     found = light_group.record_of(world)
     if found is None:
-        layout.label(text="Nothing is spectral under this sky yet")
+        layout.label(text="No material is spectral under this sky yet")
         return
     for sentence in found.caption.split("; "):
         paragraph(layout, context, sentence, "INFO")
@@ -113,7 +115,7 @@ def table(layout: bpy.types.UILayout) -> None:
     if not found:
         layout.label(text="No material is spectral yet")
         return
-    layout.label(text="Color here, material, ΔE of RGB × RGB and of ours")
+    layout.label(text="Color, material, ΔE of RGB × RGB → spectral")
     column = layout.column(align=True)
     for shown in found[:ROWS]:
         row(column.row(), shown)
@@ -132,7 +134,7 @@ def row(layout: bpy.types.UILayout, shown: bpy.types.Material) -> None:
         text = (
             glass_and_metal.pane_of(shown).name
             if pane
-            else "its nodes are gone: remove and apply it anew"
+            else "its nodes are missing. Press Remove, then Apply"
         )
         layout.label(text=f"{shown.name}: {text}", icon="MATFLUID" if pane else "ERROR")
         return

@@ -112,7 +112,7 @@ def _loaded(*_) -> None:
 def _written(*_) -> None:
     found = [material.name for material in bpy.data.materials if tags.SHOWS_RGB in material]
     if found:
-        print(f"WARNING: Spectral Skylight: {len(found)} material(s) show RGB × RGB, not ours")
+        print(f"WARNING: Spectral Skylight: {len(found)} material(s) show RGB × RGB")
 
 
 HANDLERS = {

@@ -9,7 +9,7 @@ def nothing_to_update(context: bpy.types.Context) -> str:
     """Why there is nothing to bring up to date, empty where there is."""
     from ..scene.materials import spectral_material
 
-    nothing = "No material is spectral yet: make some so first"
+    nothing = "No material is spectral yet. Press Make Everything Spectral first"
     return operator.no_sky(context) or ("" if spectral_material.ours() else nothing)
 
 
@@ -27,7 +27,7 @@ def update(context: bpy.types.Context) -> give.Lines:
     lines += [("INFO", line) for line in gone]
     lines += unbaked(context)
     name = "" if found.light is None else found.light.name
-    lines.append(("INFO", f"{len(found.results)} material(s) follow {name}"))
+    lines.append(("INFO", f"Updated {len(found.results)} material(s) to {name}"))
     return [*lines, ("INFO", operator.caption(context.scene.world))]
 
 
@@ -37,18 +37,18 @@ def unbaked(context: bpy.types.Context) -> give.Lines:
 
     names = out_of_date.look_at_bakes(context.scene)
     staleness_handlers.found_bakes()
-    return [("WARNING", f"not baked, or changed since: {', '.join(names)}")] if names else []
+    return [("WARNING", f"Not baked, or changed since: {', '.join(names)}")] if names else []
 
 
 class SKYLIGHT_OT_update(operator.Thin, bpy.types.Operator):
-    """Let spectral materials follow another HDRI, other settings or lamps, and say which files, \
-bakes and base colors have changed since"""
+    """Update spectral materials to the HDRI, the settings and the lamps, and list files, bakes \
+and base colors that have changed"""
 
     bl_idname = "skylight.update"
     bl_label = "Update"
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         return nothing_to_update(context)
 
     def run(self, context):

@@ -12,17 +12,16 @@ from . import operator
 SHADINGS = (
     (
         "AUTO",
-        "What Fits",
-        "Rendered in Eevee; Material Preview of the scene's light where the "
-        "scene renders with another engine",
+        "Automatic",
+        "Rendered if the scene renders with Eevee, else Material Preview",
     ),
-    ("RENDERED", "Rendered", "As the scene's render engine shows it"),
-    ("MATERIAL", "Material Preview", "Eevee, with the scene's own World and lamps"),
+    ("RENDERED", "Rendered", "The render engine of the scene"),
+    ("MATERIAL", "Material Preview", "Eevee with the World and the lamps of the scene"),
 )
 SHOWN = (
-    ("TOGGLE", "The Other", "What does not show now"),
-    ("BEFORE", "RGB × RGB", "Before: as Blender multiplies colors"),
-    ("AFTER", "Spectral", "After: our numbers"),
+    ("TOGGLE", "Toggle", "Switch between RGB × RGB and spectral"),
+    ("BEFORE", "RGB × RGB", "Before: RGB light times RGB base color, as Blender computes"),
+    ("AFTER", "Spectral", "After: spectral shading"),
 )
 
 
@@ -38,23 +37,25 @@ def _views(context, everywhere: bool) -> Iterator[bpy.types.SpaceView3D]:
 
 
 class SKYLIGHT_OT_show_in_viewport(bpy.types.Operator):
-    """Let 3D views show the scene's own sky and lamps: Material Preview starts with Blender's \
-studio light, and Solid mode knows no shader, only each material's color under this sky"""
+    """Show the sky and the lamps of the scene in the 3D views. Material Preview otherwise uses \
+Blender's studio light, and Solid shading shows only each material's color under this sky"""
 
     bl_idname = "skylight.show_in_viewport"
     bl_label = "Show in Viewport"
     bl_options = {"REGISTER"}  # views are no part of what Blender undoes
 
-    shading: bpy.props.EnumProperty(name="Shading", items=SHADINGS)
+    shading: bpy.props.EnumProperty(
+        name="Shading", description="Shading of the 3D views", items=SHADINGS
+    )
     everywhere: bpy.props.BoolProperty(
-        name="All Views", description="In all 3D views, not this one alone", default=True
+        name="All Views", description="Change all 3D views, not only this one", default=True
     )
 
     @classmethod
     def poll(cls, context):
         why = "" if any(True for _ in _views(context, True)) else "No 3D view is open"
         if context.scene.render.engine == "BLENDER_WORKBENCH":
-            why = "Workbench knows no shaders: choose Eevee or Cycles as the render engine"
+            why = "Workbench does not show shaders: set the render engine to Eevee or Cycles"
         if why:
             cls.poll_message_set(why)
         return not why
@@ -74,23 +75,23 @@ studio light, and Solid mode knows no shader, only each material's color under t
 
 
 class SKYLIGHT_OT_before_after(operator.Thin, bpy.types.Operator):
-    """Let materials show RGB × RGB, as Blender has it, or the spectral colors again. Only numbers \
-change, so that the view follows at once"""
+    """Switch spectral materials between RGB × RGB, as Blender shades, and spectral colors. \
+Shaders are not compiled again"""
 
     bl_idname = "skylight.before_after"
     bl_label = "Before / After"
 
-    show: bpy.props.EnumProperty(name="Show", items=SHOWN)
+    show: bpy.props.EnumProperty(name="Show", description="Colors to show", items=SHOWN)
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         from ..scene.materials import spectral_material
 
         found = spectral_material.ours()
         if not found:
             return "No material is spectral yet"
         known = any(tags.COMPARISON in material for material in found)
-        return "" if known else "An earlier version kept no RGB × RGB: press Update first"
+        return "" if known else "Made with an earlier version: press Update first"
 
     def run(self, context):
         from ..scene.materials import rgb_comparison
@@ -98,27 +99,29 @@ change, so that the view follows at once"""
         rgb = not rgb_comparison.shown_now() if self.show == "TOGGLE" else self.show == "BEFORE"
         count = rgb_comparison.show(rgb)
         if rgb:
-            return [("WARNING", f"{count} material(s) show RGB × RGB: renders would too")]
-        return [("INFO", f"{count} material(s) show spectral colors again")]
+            return [("WARNING", f"{count} material(s) show RGB × RGB, also in renders")]
+        return [("INFO", f"{count} material(s) show spectral colors")]
 
 
 class SKYLIGHT_OT_neutral_white(operator.Thin, bpy.types.Operator):
-    """Let white in the sky's light look white, by the View's own White Balance, or give that back \
-as it was. Scene-linear values, as in EXR, stay as they are"""
+    """Set the view's White Balance so that white under this sky looks white, or restore it. \
+Scene-linear values, as in EXR files, do not change"""
 
     bl_idname = "skylight.neutral_white"
     bl_label = "Neutral White"
 
-    on: bpy.props.BoolProperty(name="On", default=True)
+    on: bpy.props.BoolProperty(
+        name="On", description="Balance the view. Off: restore it", default=True
+    )
 
     @classmethod
-    def hindrance(cls, context):
+    def disabled_reason(cls, context):
         from ..scene.world import view_transform
 
         return (
             ""
             if tags.VIEW in context.scene
-            else view_transform.hindrance(context.scene, _level(context))
+            else view_transform.disabled_reason(context.scene, _level(context))
         )
 
     def run(self, context):
@@ -127,7 +130,7 @@ as it was. Scene-linear values, as in EXR, stay as they are"""
         if self.on:
             return [("INFO", view_transform.neutral(context.scene, _level(context)))]
         view_transform.give_back(context.scene)
-        return [("INFO", "the view's white is as it was")]
+        return [("INFO", "White Balance of the view restored")]
 
 
 def _level(context):

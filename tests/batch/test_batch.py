@@ -158,7 +158,7 @@ def test_a_second_run_mends_what_is_not_whole(alone, office, capsys):
     leftover = atomic_file.part_of(fourth)
     leftover.touch()
     assert cli.main(["batch", "run", str(office / "alone" / "plan.jsonl"), "--workers", "2"]) == 0
-    assert "4 rendered, 4 were there, 0 failed" in capsys.readouterr().out
+    assert "4 rendered, 4 already done, 0 failed" in capsys.readouterr().out
     assert pictures(office, "alone") == before and not leftover.exists()
 
 
@@ -206,7 +206,7 @@ def test_one_that_cannot_be_written_fails_and_the_others_go_on(office, capsys):
     (first / "a folder").mkdir(parents=True)  # where the picture should be
     assert cli.main(["batch", "run", path, "--workers", "1"]) == 1
     said = capsys.readouterr()
-    assert "3 rendered, 0 were there, 1 failed" in said.out and first.name in said.err
+    assert "3 rendered, 0 already done, 1 failed" in said.out and first.name in said.err
     report = json.loads((office / "blocked" / "report.json").read_text())
     assert report["counts"] == {"failed": 1, "done": 3}
     assert first.name in report["pictures"][0]["error"]

@@ -122,7 +122,7 @@ def test_ctrl_c_ends_the_farms_work_and_a_second_run_does_the_rest(cluster, plan
 
 
 def test_workers_that_cannot_render_are_given_nothing(cluster, tmp_path):
-    said = "none of its .* workers can render.*no/blender.* is no Blender that can be started"
+    said = "none of its .* workers can render.*no/blender.* is not a Blender that can be started"
     with distributed.Client(cluster.address, set_as_default=False) as client:
         client.wait_for_workers(1, timeout=60)
     pool = dask_farm.dask_pool(cluster.address, tmp_path, "no/blender", patience=0)
@@ -137,7 +137,7 @@ def test_a_scheduler_that_goes_is_said(cluster, plan, tmp_path, monkeypatch, cap
     run = ["batch", "run", str(there), "--scheduler", cluster.address]
     when(1, there, cluster.processes[0].kill)
     assert main(run) == 1
-    assert "Dask's scheduler has gone: what was rendered stays" in capsys.readouterr().err
+    assert "the Dask scheduler has stopped. Finished pictures are kept" in capsys.readouterr().err
     assert files(there).items() <= files(plan).items()
     assert main(run) == 2
     assert f"{cluster.address}: no Dask scheduler answers" in capsys.readouterr().err

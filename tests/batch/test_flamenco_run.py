@@ -175,9 +175,9 @@ def test_what_cannot_be_submitted_is_said(plan, tmp_path, capsys):
             "prepared/dawn.blend is not prepared; run batch plan STUDY.toml with --prepare",
         ),
         ([str(tmp_path / "none.jsonl")], "cannot be read"),
-        ([str(plan), "--together", "0"], "--together: 0 are none; use 1 or more"),
-        ([str(plan), "--workers", "-1"], "--workers: -1 are none; use 1 or more"),
-        ([str(plan), "--manager", "manager:8080"], '"manager:8080" is no address'),
+        ([str(plan), "--together", "0"], "--together: 0 is too small; use 1 or more"),
+        ([str(plan), "--workers", "-1"], "--workers: -1 is too small; use 1 or more"),
+        ([str(plan), "--manager", "manager:8080"], '"manager:8080" is not an address'),
     ):
         assert main(["batch", "flamenco", *arguments]) == 2
         error = capsys.readouterr().err
@@ -195,11 +195,11 @@ def test_what_a_manager_may_answer_is_said(plan, tmp_path):
         ({}, "does not know the job type .*copy .*_skylight.js"),
         (refusing, r"refuses \(pictures: no range\)"),
         (elsewhere, "refuses .302"),
-        (strange, "is no Manager that answers"),
+        (strange, "does not answer as a Flamenco Manager"),
     ):
         with answering(replies) as address, pytest.raises(InputError, match=said):
             submit.submit(address + "/", job)
-    with pytest.raises(InputError, match="is no Manager that answers"):
+    with pytest.raises(InputError, match="does not answer as a Flamenco Manager"):
         submit.submit(address, job)  # which is closed now
-    with pytest.raises(InputError, match="is no address"):
+    with pytest.raises(InputError, match="is not an address"):
         submit.submit("file:///etc/passwd", job)

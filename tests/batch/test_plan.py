@@ -80,8 +80,8 @@ def test_a_plan_that_cannot_be_written_leaves_the_old_one(study, tmp_path, monke
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "no plan"),
-        ("{}", "no plan"),
+        ("", "not a plan"),
+        ("{}", "not a plan"),
         ('{"format": "spectral-skylight plan", "version": 9}', "version 9"),
     ],
 )

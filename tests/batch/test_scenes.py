@@ -48,7 +48,7 @@ def test_the_hash_follows_the_scene_and_its_textures(folder):
     texture.write_bytes(kept + b"\0")
     assert look(folder, scenes=["bricks.blend"]).content != before
     texture.unlink()
-    with pytest.raises(InputError, match=r'bricks\.blend: misses image "Bricks" \(.*bricks\.png\)'):
+    with pytest.raises(InputError, match=r'bricks\.blend: lacks image "Bricks" \(.*bricks\.png\)'):
         look(folder, scenes=["bricks.blend"])
     texture.write_bytes(kept)
 

@@ -54,7 +54,7 @@ def test_one_process_does_many_tasks_and_a_dead_one_is_replaced(worker):
     assert first["pid"] == second["pid"]
     dead = worker.render(task("crash", 2))
     assert dead["status"] == "failed" and dead["index"] == 2
-    assert dead["error"] == "p/a.exr: Blender died with exit code 11: Segmentation fault"
+    assert dead["error"] == "p/a.exr: Blender stopped with exit code 11: Segmentation fault"
     assert worker.render(task("South"))["pid"] != first["pid"]
 
 
@@ -62,7 +62,7 @@ def test_one_process_does_many_tasks_and_a_dead_one_is_replaced(worker):
 def test_one_that_hangs_is_ended_with_its_children(worker, tmp_path):
     start = time.monotonic()
     late = worker.render(task("hang"), timeout=1.0)
-    assert late["error"] == "p/a.exr: was not done within 1 s" and time.monotonic() - start < 10
+    assert late["error"] == "p/a.exr: did not finish within 1 s" and time.monotonic() - start < 10
     child = int((tmp_path / "child").read_text())
     until = time.monotonic() + 10
     while _alive(child) and time.monotonic() < until:

@@ -161,4 +161,4 @@ def test_installed_from_a_repository_and_updated_with_a_scene(server, sky, tmp_p
 def test_nothing_leaves_the_machine_while_blender_is_offline(tmp_path):
     said = blender(LANES[0], tmp_path, "offline", ARCHIVE)
     assert "Allow Online Access" in said["http://farm.example:8080"]
-    assert "no Manager that answers" in said["http://127.0.0.1:9"]
+    assert "does not answer as a Flamenco Manager" in said["http://127.0.0.1:9"]

@@ -264,7 +264,7 @@ def test_plain_colours_and_worlds_without_nodes(scene):
         np.testing.assert_allclose(baked(scene), pixels, rtol=1e-5)
     background.inputs["Color"].default_value = (0.0, 0.0, 0.0, 1.0)
     scene.world = bpy.data.worlds["Mine"]
-    with pytest.raises(InputError, match='World "Mine": is black all over'):
+    with pytest.raises(InputError, match='World "Mine": is completely black'):
         panorama.light_of(scene.world, OBSERVER)
 
 
@@ -323,7 +323,7 @@ def test_a_sequence_is_that_of_the_frame_and_bytes_are_told(scene, tmp_path):
     texture.image.generated_color = (1.0, 1.0, 1.0, 1.0)
     light = panorama.light_of(scene.world, OBSERVER)
     np.testing.assert_allclose(light.faces, 1.0, rtol=1e-3)
-    assert any("8 bits a channel" in note for note in light.notes)
+    assert any("8 bits per channel" in note for note in light.notes)
 
 
 @newest

@@ -84,7 +84,10 @@ def spoilt(scene, tmp_path):
     yield lambda: rgb_comparison.show(True), "shows RGB × RGB"
     rgb_comparison.show(False)
     keep = tuple(node.inputs["Row R"].default_value)
-    yield lambda: setattr(node.inputs["Row R"], "default_value", (1, 0, 0)), "matrix in the sockets"
+    yield (
+        lambda: setattr(node.inputs["Row R"], "default_value", (1, 0, 0)),
+        "sockets hold a different matrix",
+    )
     node.inputs["Row R"].default_value = keep
     keep = tuple(node.inputs["Sun"].default_value)
     yield lambda: setattr(node.inputs["Sun"], "default_value", (1, 0, 0)), "socket Sun"
@@ -101,12 +104,12 @@ def spoilt(scene, tmp_path):
     file = tmp_path / "paint.csv"
     text = file.read_text()
     yield lambda: file.write_text(text.replace("380,39", "380,49")), "has changed since"
-    yield lambda: file.unlink(), "is gone"
+    yield lambda: file.unlink(), "is missing"
     file.write_text(text)
     tree = brick().node_tree
     outputs = [node for node in tree.nodes if node.type == "OUTPUT_MATERIAL"]
     links = [link for output in outputs for link in output.inputs["Surface"].links]
-    yield lambda: [tree.links.remove(link) for link in links], "not plugged"
+    yield lambda: [tree.links.remove(link) for link in links], "not connected"
 
 
 def test_what_spoils_a_color_is_found(scene, tmp_path):

@@ -189,7 +189,7 @@ def test_the_least_that_shows_it_all(values, kind):
         ("BsdfDiffuse", {}, shader_rewrite.MATT, ()),
         ("BsdfGlossy", {"Color": (0.2, 0.5, 0.7, 1.0), "Anisotropy": 0.3}, gloss.METAL, ()),
         ("BsdfMetallic", {"Base_Color": (0.2, 0.5, 0.7, 1.0), "Anisotropy": 0.3}, gloss.METAL, ()),
-        ("BsdfSheen", {}, shader_rewrite.MATT, ("what Sheen BSDF adds to a matt surface",)),
+        ("BsdfSheen", {}, shader_rewrite.MATT, ("what Sheen BSDF adds to a diffuse surface",)),
         ("BsdfPrincipled", {"Sheen_Weight": 0.5}, gloss.GLOSS, ("sheen",)),
         ("BsdfPrincipled", {"Transmission_Weight": 1.0}, gloss.GLOSS, ("transmission",)),
         ("BsdfPrincipled", {"Diffuse_Roughness": 0.5}, gloss.GLOSS, ("diffuse roughness",)),
@@ -230,7 +230,7 @@ def test_colours_that_one_reflectance_cannot_hold_are_told():
     assert spectral_material.look_of(material).left_out == ()  # both 0.8
     second.inputs["Base Color"].default_value = (0.8, 0.1, 0.1, 1.0)
     (line,) = spectral_material.look_of(material).left_out
-    assert line == "1 more base colour(s) that are mixed in"
+    assert line == "1 more base color(s) that are mixed in"
     output.target = "EEVEE"
     other = groups.add(tree, "ShaderNodeOutputMaterial", second.outputs[0])
     other.target = "CYCLES"

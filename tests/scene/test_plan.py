@@ -112,7 +112,7 @@ def test_what_is_written_is_what_was_planned_and_is_read_back(scene):
 def test_what_cannot_be_is_found_before_anything_changes(scene):
     before = everything()
     wall = bpy.data.materials["Wall"]
-    with pytest.raises(InputError, match="shows no metal"):
+    with pytest.raises(InputError, match="is not metallic"):
         plan.make(scene.world, {wall: Assignment("gold", np.full(81, 0.5), metal=NK)}, SETTINGS)
     with pytest.raises(InputError, match="has no World"):
         plan.make(None, given(), SETTINGS)

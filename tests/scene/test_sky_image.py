@@ -135,7 +135,7 @@ def test_a_world_made_by_hand_is_told(scene, tmp_path, name, packed):
         assert notes == []
     elif name == "layers.exr":
         np.testing.assert_array_equal(panorama.pixels_of(image), sky())
-        assert notes[0].startswith("the layer Beauty is read, of 2 layers; load it by")
+        assert notes[0].startswith("the layer Beauty is read, of 2 layers; load it with")
     elif space and image.colorspace_settings.name == space:  # Blender 5 reads colorInteropID
         assert notes[0].endswith(": converted")
     elif space:
@@ -145,7 +145,7 @@ def test_a_world_made_by_hand_is_told(scene, tmp_path, name, packed):
         image.colorspace_settings.name = "Non-Color"  # a camera's raw numbers
         assert sky_image.notes(image) == []
     else:
-        assert "load it by Load Sky HDRI" in notes[0] and len(notes) == 1
+        assert "load it with Load Sky HDRI" in notes[0] and len(notes) == 1
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -199,6 +199,6 @@ def test_no_image_is_left_where_a_file_is_refused(scene, tmp_path):
     path = tmp_path / "a.exr"
     exr({"colorInteropID": "srgb_rec709_scene"}, planes(sky()))(path)
     before = len(bpy.data.images), len(bpy.data.worlds)
-    with pytest.raises(InputError, match="srgb_rec709_scene, which is no linear light"):
+    with pytest.raises(InputError, match="srgb_rec709_scene, which is not linear light"):
         use_cases.set_sky(scene, path, Settings())
     assert (len(bpy.data.images), len(bpy.data.worlds)) == before

@@ -40,9 +40,9 @@ def applied(folder, *options):
 
 def test_a_tinted_world_is_said_to_be_so(folder, capsys):
     found = applied(folder)
-    assert any("looks white-balanced" in note for note in found.notes)
+    assert any("appears white-balanced" in note for note in found.notes)
     assert found.rest["outside"]["mostly"]
-    assert "looks white-balanced" in capsys.readouterr().out
+    assert "appears white-balanced" in capsys.readouterr().out
 
 
 def test_auto_undoes_the_tint(folder, capsys):
@@ -50,6 +50,6 @@ def test_auto_undoes_the_tint(folder, capsys):
     white = np.array(found.settings["white"])
     # The tint across the locus is known to some per cent, what lies along it is not.
     assert white[1] / np.sqrt(white[0] * white[2]) == pytest.approx(1.7, rel=0.25)
-    assert not any("looks white-balanced" in note for note in found.notes)
+    assert not any("appears white-balanced" in note for note in found.notes)
     assert not found.rest["outside"]["mostly"]
     assert "white balance undone as" in capsys.readouterr().out

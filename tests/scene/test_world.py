@@ -134,7 +134,7 @@ def test_why_a_world_is_baked_and_what_is_followed_live(scene, change, why, live
     sky = worlds.sky_of(scene.world)
     assert why in sky.why and sky.image is None
     verb = "are" if live == TURN else "is"
-    assert (f"; {live} {verb} followed live" in sky.line) == bool(live)
+    assert (f"; {live} {verb} updated live" in sky.line) == bool(live)
     assert "\n" not in sky.line
 
 
@@ -242,7 +242,9 @@ def test_an_identity_needs_no_world_of_its_own(scene):
 def test_raw_numbers_must_not_be_converted(scene, tmp_path):
     image = worlds.sky_of(scene.world).image
     linked_strength(scene.world.node_tree.nodes)
-    with pytest.raises(InputError, match="no camera's raw numbers: its Background's Strength is"):
+    with pytest.raises(
+        InputError, match="does not show raw camera RGB: its Background's Strength is"
+    ):
         worlds.develop(scene, RAW)
     scene.world.node_tree.nodes.remove(scene.world.node_tree.nodes["Value"])
     image.colorspace_settings.name = "ACEScg"

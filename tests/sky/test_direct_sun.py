@@ -145,7 +145,7 @@ def test_a_balanced_sun_is_unbalanced_and_balanced_again():
     np.testing.assert_allclose(found.rgb, balanced.irradiance, rtol=1e-8)
     np.testing.assert_allclose(S @ found.spectrum, light.sun.irradiance, rtol=1e-8)
     told = restored_sun(replace(light.sun, irradiance=light.sun.irradiance * [0.5, 1, 2]), light)
-    assert "no sunlight has its colour" in told.line
+    assert "its color is not one of sunlight" in told.line
 
 
 # Ratio of the estimate to the truth: what 10 to 90 % of likely hazes allow for. By day clear air
@@ -175,7 +175,7 @@ def test_a_clipped_suns_energy_is_restored(elevation, haze, low, high):
         off = np.abs(found.rgb / found.rgb.sum() - true / true.sum()).max()
         assert off < 0.04
         ratio = found.rgb @ LUMINANCE / (light.sun.irradiance @ LUMINANCE)
-        assert f"estimated at {ratio:.3g} times what it shows" in found.line
+        assert f"estimated at {ratio:.3g} times its value" in found.line
 
 
 def test_who_knows_better_says_so():

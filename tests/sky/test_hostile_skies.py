@@ -170,6 +170,6 @@ def test_exr_that_claims_more_than_it_holds(files, tmp_path):
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no named pipes")
 def test_what_is_no_file(tmp_path):
     os.mkfifo(tmp_path / "a.hdr")
-    assert "no regular file" in outcome(tmp_path / "a.hdr")[0]
+    assert "not a regular file" in outcome(tmp_path / "a.hdr")[0]
     assert "no such file" in outcome(tmp_path / "b.hdr" / "c")[0]
     assert "cannot be opened" in outcome(tmp_path)[0]

@@ -65,7 +65,7 @@ def test_a_world_that_is_mostly_outside_is_said_to_be_so():
     found = outside(sky(LEAF, BLUE), None, FACES)
     assert found.mostly and found.verdict.startswith("mostly outside the model of skylight")
     plain = outside(sky(), None, FACES)
-    assert plain.verdict == "its light has the colours of skylight" and not plain.mostly
+    assert plain.verdict == "its light has the colors of skylight" and not plain.mostly
     dark = outside(np.zeros((8, 16, 3)), None, FACES)
     assert dark.verdict == "the sky is dark" and not dark.shares.any()
 

@@ -71,4 +71,4 @@ def test_all_that_is_wrong_is_noted(tmp_path):
     assert len(light.notes) == 3 and light.report()["notes"] == light.notes
     assert "tone-mapped" in light.notes[0] and light.notes[1].startswith("1 negative value")
     plain = analyse(from_pixels(sky(), "sky"), 1)
-    assert plain.notes == [light.notes[2]] and plain.notes[0].startswith("no sun was found")
+    assert plain.notes == [light.notes[2]] and plain.notes[0].startswith("no sun found")

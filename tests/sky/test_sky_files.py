@@ -94,10 +94,12 @@ def test_names_in_latin_1(tmp_path):
 def test_no_beauty(tmp_path):
     several = planes(noise(), "AO.") | planes(noise(), "normal.")
     path = write(tmp_path / "a.exr", {}, several)
-    with pytest.raises(InputError, match="holds the layers AO, normal and no beauty; save the"):
+    with pytest.raises(
+        InputError, match="holds the layers AO, normal and no beauty layer; save only"
+    ):
         read_panorama(path)
     whole = {c: np.ones((8, 16), np.uint32) for c in "RGB"}
-    with pytest.raises(InputError, match="holds whole numbers: B, G, R; save it as RGB"):
+    with pytest.raises(InputError, match="holds integers: B, G, R; save it as RGB"):
         read_panorama(write(path, {}, whole))
     luma = {"Y": noise()[..., 0].copy(), "RY": noise()[..., 1].copy(), "BY": noise()[..., 2].copy()}
     with pytest.raises(InputError, match="no channels R, G, B but BY, RY, Y"):
@@ -160,10 +162,10 @@ def test_primaries_are_converted(tmp_path, header, space):
 
 def test_encoded_numbers_are_refused_and_unknown_ones_told(tmp_path):
     path = write(tmp_path / "a.exr", {"colorInteropID": "g22_rec709_scene"}, planes(noise()))
-    with pytest.raises(InputError, match="g22_rec709_scene, which is no linear light; save it"):
+    with pytest.raises(InputError, match="g22_rec709_scene, which is not linear light; save it"):
         read_panorama(path)
     write(path, {"colorInteropID": "lin_moon_scene"}, planes(noise()))
-    assert "lin_moon_scene, which is not known here" in read_panorama(path).notes[0]
+    assert "lin_moon_scene, which is unknown" in read_panorama(path).notes[0]
 
 
 @pytest.mark.parametrize(
@@ -171,10 +173,10 @@ def test_encoded_numbers_are_refused_and_unknown_ones_told(tmp_path):
     [
         (b"PRIMARIES=0.708 0.292 0.17 0.797 0.131 0.046 0.3127 0.329\n", REC2020, ["primaries"]),
         (b"PRIMARIES=0 0 0 0 0 0 0 0\nGAMMA=1\nEXPOSURE=1.0\n", None, []),
-        (b"PRIMARIES=0.3 0.3 0.3 0.3 0.3 0.3 0.3 0.3\n", None, ["cannot be any"]),
+        (b"PRIMARIES=0.3 0.3 0.3 0.3 0.3 0.3 0.3 0.3\n", None, ["impossible primaries"]),
         (b"COLORCORR=2 1 0.5\n", (0.5, 1.0, 2.0), ["multiplied by 2, 1, 0.5"]),
         (b"COLORCORR=2 1 0.5\nCOLORCORR= 2 4 1\n", (0.25, 0.25, 2.0), ["by 4, 4, 0.5"]),
-        (b"COLORCORR=0 1 2\n", None, ["cannot be one"]),
+        (b"COLORCORR=0 1 2\n", None, ["impossible COLORCORR"]),
         (b"EXPOSURE=2\nEXPOSURE=4\n", None, ["by 8 (EXPOSURE)"]),
         (b"GAMMA=2.2\n", None, ["GAMMA 2.2"]),
         (b"OWNER=caf\xe9\n", None, []),
@@ -199,14 +201,14 @@ def test_crops_are_filled_with_black(tmp_path):
     sky = read_panorama(write(tmp_path / "a.exr", header, planes(rgb[:26])))
     np.testing.assert_array_equal(sky.rgb[:26], rgb[:26])
     assert not sky.rgb[26:].any()
-    assert sky.notes == ("the file is cropped: 19 % of the panorama are black for that",)
+    assert sky.notes == ("the file is cropped: 19 % of the panorama is black",)
     # A display window that is none, as some programs leave it: all that there is.
     header = {"displayWindow": (np.array([0, 0], np.int32), np.array([0, 0], np.int32))}
     np.testing.assert_array_equal(
         read_panorama(write(tmp_path / "b.exr", header, planes(rgb))).rgb, rgb
     )
     header = {"displayWindow": (np.array([100, 0], np.int32), np.array([163, 31], np.int32))}
-    with pytest.raises(InputError, match="is black all over"):
+    with pytest.raises(InputError, match="is completely black"):
         read_panorama(write(tmp_path / "c.exr", header, planes(rgb)))
 
 

@@ -216,7 +216,7 @@ def test_command(folder, tmp_path, capsys):
     assert "colour:BabelColor Average:dark skin" in out and "3 of 102 spectra" in err
     assert cli.main(["library", "--sort", "price"]) == 2
     assert cli.main(["library", "--search", "nothing like it", "--sheet", str(sheet)]) == 2
-    assert "finds nothing to draw" in capsys.readouterr().err
+    assert "matches no reflectance" in capsys.readouterr().err
 
 
 def test_what_the_list_names_the_other_commands_take(folder, capsys):

@@ -72,7 +72,7 @@ def test_a_clipped_sun(keep, clear, part, said):
     share = separate_sun(rgb)[1].share
     light = analyse(from_pixels(np.minimum(rgb, part * rgb.max()), "sky"), 1)
     assert light.sun.clipped == said
-    assert any("clipped the sun" in note for note in light.notes) == said
+    assert any("clips the sun" in note for note in light.notes) == said
     assert light.sun.share < share
     keep(
         f"the sun clipped at {100 * part:g} % of its brightest pixel",

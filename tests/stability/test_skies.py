@@ -73,11 +73,13 @@ def test_a_twilight_whose_sun_nobody_tells(keep):
     assert 1.0 < off < paper
     assert locus_distance(S @ light, sun_elevation=40.0) < LIMIT
     panorama = from_pixels(np.broadcast_to(S @ light, (16, 32, 3)).astype("f4"), "sky")
-    assert any("tell a low sun's elevation" in note for note in analyse(panorama, 1).notes)
+    assert any(
+        "If the sun is low, set its elevation" in note for note in analyse(panorama, 1).notes
+    )
     keep(
         "sun at -5°, not in the HDRI and not told",
         f"ΔE {off:.1f}; told {errors(light, atmosphere(light, -5.0)).mean():.2f}",
-        "says that a sky by day is expected, and to tell the elevation of a low sun",
+        "says that daytime is assumed, and to set the elevation of a low sun",
     )
 
 
@@ -100,7 +102,8 @@ def test_smoke_and_dust(keep):
     assert locus_distance(S @ light) < LIMIT < locus_distance(S @ light, sun_elevation=30.0)
     assert not predict(transfer(), CHECKER, KnownLight(S @ light)).unknown
     assert (
-        "no colour of skylight" in predict(transfer(), CHECKER, KnownLight(S @ light, 30.0)).unknown
+        "not a color of skylight"
+        in predict(transfer(), CHECKER, KnownLight(S @ light, 30.0)).unknown
     )
     keep(
         "wildfire smoke, optical depth 4, sun at 30°",

@@ -129,8 +129,8 @@ def test_the_simplest_basis(checker, light):
     [
         (np.zeros(3), None, "dark"),
         (BLUE, -7.0, "under -6"),
-        ([0.1, 1.0, 0.1], None, "no colour of skylight"),
-        ([1.0, 0.1, 1.0], 20.0, "no colour of skylight"),
+        ([0.1, 1.0, 0.1], None, "not a color of skylight"),
+        ([1.0, 0.1, 1.0], 20.0, "not a color of skylight"),
     ],
 )
 def test_unknown(checker, lights, elevation, reason):
@@ -173,7 +173,7 @@ def test_what_the_sky_was_modelled_with(light):
 def test_visibility_is_worth_it_where_its_lack_is_seen():
     """2 % less light on white is CIEDE2000 0.45: 116/3 0.02 of L*, over S_L = 1.75."""
     assert visibility_line(0.02, 0.5).endswith("not worth it")
-    assert visibility_line(0.025, 0.5).endswith("is worth it")
+    assert visibility_line(0.025, 0.5).endswith("sky shadows are noticeable")
 
 
 def test_foreign_light_widens_the_bound(checker):

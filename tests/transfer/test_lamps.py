@@ -42,11 +42,11 @@ def test_names_temperatures_and_files(tmp_path):
     for lamp, problem in (
         (f"{path}", "no column"),
         (f"{path}:bulb", "no column 'bulb'"),
-        ("Moonshine", "no file, temperature or known lamp"),
+        ("Moonshine", "not a file, a temperature or a known lamp"),
         (100.0, "100 K"),
-        ((0.0, 0.0, 0.0), "is no light"),
-        ((1.0, 2.0), "is no light"),
-        ((1.0, np.nan, 1.0), "is no light"),
+        ((0.0, 0.0, 0.0), "is not a light"),
+        ((1.0, 2.0), "is not a light"),
+        ((1.0, np.nan, 1.0), "is not a light"),
     ):
         with pytest.raises(InputError, match=problem):
             lamp_spectrum(lamp)

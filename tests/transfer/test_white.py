@@ -106,7 +106,7 @@ def test_what_is_said_can_be_typed(skies):
     _, light, spectrum = skies[3]
     found = balanced(light, whites(spectrum)["lamplight"])
     r, g, b = found.white
-    assert f"{r:.2f},{g:.2f},{b:.2f} (or auto) as its neutral light" in found.line
+    assert f"set its neutral light to {r:.2f},{g:.2f},{b:.2f} (or auto)" in found.line
     assert f"ΔE {found.ignored_delta_E:.1f}" in found.line and found.ignored_delta_E > 2
     assert "\n" not in found.line
 
@@ -122,7 +122,7 @@ def test_auto_undoes_what_is_suspected_and_nothing_else(skies):
     assert settle_white(None, lambda: plain) == (None, "")
     assert settle_white(AUTO, lambda: plain) == (
         None,
-        "no white balance is seen in this sky, and none is undone",
+        "this sky does not appear white-balanced; no white balance is undone",
     )
 
     def never():

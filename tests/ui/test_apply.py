@@ -145,7 +145,7 @@ def test_remove_from_selection_and_all(scene, brick):
     select("Wall", "Roof")
     with pytest.raises(RuntimeError, match="No selected object has a spectral material"):
         bpy.ops.skylight.remove_selected()
-    with pytest.raises(RuntimeError, match="No material of the file is spectral"):
+    with pytest.raises(RuntimeError, match="No material is spectral yet"):
         bpy.ops.skylight.remove_all()
     bpy.ops.skylight.apply_selected(filepath=brick, column="moss")
     select("Roof")
@@ -187,7 +187,7 @@ def test_a_step_back_undoes_apply(scene, brick):
 def test_a_table_gives_a_re_imported_model_what_it_had(scene, brick, tmp_path):
     """Two materials, one estimated; then new materials of the same names, and one that is gone."""
     table = tmp_path / "house.materials.csv"
-    with pytest.raises(RuntimeError, match="No material of the file is spectral"):
+    with pytest.raises(RuntimeError, match="No material is spectral yet"):
         bpy.ops.skylight.write_assignments(filepath=str(table))
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     bpy.ops.skylight.estimate(material="Roof")

@@ -43,7 +43,7 @@ def test_the_study_is_what_was_chosen(office, scene):
     assert bpy.ops.skylight.batch_write() == {"FINISHED"}
     path = office / "house.study.toml"
     text = path.read_text(encoding="utf-8")
-    assert "# folder for everything that comes of the study" in text
+    assert "# folder for everything that the study writes" in text
     assert str(office) not in text  # all paths are relative: the folder can be moved
     study = read_study(path)
     assert study.out == office / "batch" and study.scenes == (office / "house.blend",)
@@ -74,10 +74,10 @@ def test_what_is_not_saved_is_not_started(office, scene, addon):
     scene.name = "Changed"
     bpy.ops.ed.undo_push(message="changed")
     if bpy.data.is_dirty:
-        assert "Save the file first" in batch.SKYLIGHT_OT_batch_start.hindrance(bpy.context)
+        assert "Save the file first" in batch.SKYLIGHT_OT_batch_start.disabled_reason(bpy.context)
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    assert "Save the file first" in batch.SKYLIGHT_OT_batch_write.hindrance(bpy.context)
-    assert "No study" in batch.SKYLIGHT_OT_batch_cancel.hindrance(bpy.context)
+    assert "Save the file first" in batch.SKYLIGHT_OT_batch_write.disabled_reason(bpy.context)
+    assert "No study" in batch.SKYLIGHT_OT_batch_cancel.disabled_reason(bpy.context)
 
 
 @pytest.mark.blender
@@ -119,7 +119,7 @@ def test_the_panel_shows_a_run_and_touches_no_file(office, scene, monkeypatch):
 def test_a_study_renders_beside_blender(office, scene, monkeypatch):
     """Started, undone, followed to its end; started again with a mistake, which is shown."""
     assert bpy.ops.skylight.batch_start() == {"FINISHED"}
-    with pytest.raises(RuntimeError, match="A study is being rendered"):
+    with pytest.raises(RuntimeError, match="A study is rendering"):
         bpy.ops.skylight.batch_start()
     bpy.ops.ed.undo_push(message="one")
     bpy.ops.ed.undo_push(message="two")

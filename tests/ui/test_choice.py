@@ -83,10 +83,10 @@ def test_glass_alone_brings_no_lamps(scene, pane):
 
 
 def test_a_metal(scene, gold, brick):
-    assert "shows no metal" in error_of(bpy.ops.skylight.apply, filepath=gold, kind="METAL")
+    assert "is not metallic" in error_of(bpy.ops.skylight.apply, filepath=gold, kind="METAL")
     material().node_tree.nodes["Principled BSDF"].inputs["Metallic"].default_value = 1.0
     bpy.ops.skylight.make_spectral()
-    assert use_cases.left_alone(scene) == [("Wall", "is a metal: give it its n and k")]
+    assert use_cases.left_alone(scene) == [("Wall", "is a metal: choose a file with its n and k")]
     bpy.ops.skylight.choose_reflectance(filepath=gold, kind="METAL")
     shown = drawn(panels.SKYLIGHT_PT_material)
     assert "column" not in shown.properties and material().skylight.problem == ""

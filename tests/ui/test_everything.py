@@ -34,13 +34,13 @@ def test_one_click(scene, brick, lamp, capfd):
     assert bpy.ops.skylight.make_spectral() == {"FINISHED"}
     assert (given("Wall"), given("Roof")) == ("moss", ESTIMATED)
     assert not spectral_material.is_managed(lamp)
-    assert use_cases.left_alone(scene) == [("Sign", "gives light of its own")]
+    assert use_cases.left_alone(scene) == [("Sign", "emits light")]
     said = capfd.readouterr().out
     assert "2 material(s) spectral, 1 of them estimated; 1 left alone" in said
-    assert "left alone: Sign: gives light of its own" in said
+    assert "Left alone: Sign: emits light" in said
     assert "1 measured, 1 estimated" in drawn(panels.SKYLIGHT_PT_main).text
     assert panels.SKYLIGHT_PT_left.poll(bpy.context)
-    assert "Sign: gives light of its own" in drawn(panels.SKYLIGHT_PT_left).text
+    assert "Sign: emits light" in drawn(panels.SKYLIGHT_PT_left).text
     table = drawn(panels.SKYLIGHT_PT_all).text
     assert "Wall: moss" in table and "Roof: estimated" in table
     # A second click changes nothing; a new base colour is what the estimate follows.
@@ -66,7 +66,7 @@ def test_a_scene_of_lamps_alone_stays_as_it_is(scene, lamp):
         bpy.data.objects[name].data.materials.append(lamp)
     before = len(bpy.data.objects), [t.name for t in bpy.data.node_groups]
     bpy.ops.skylight.make_spectral()
-    assert use_cases.left_alone(scene) == [("Sign", "gives light of its own")]
+    assert use_cases.left_alone(scene) == [("Sign", "emits light")]
     assert (len(bpy.data.objects), [t.name for t in bpy.data.node_groups]) == before
 
 

@@ -86,7 +86,9 @@ def test_folders_are_shown_with_the_checkers_and_what_is_broken_told(shown, tmp_
     bpy.ops.skylight.refresh_library()
     assert [row.name for row in shown.spectra][-1] != "moss"
     assert "has no folder 7" in error_of(bpy.ops.skylight.remove_folder, number=7)
-    assert "is no folder" in error_of(bpy.ops.skylight.add_folder, directory=str(tmp_path / "none"))
+    assert "is not a folder" in error_of(
+        bpy.ops.skylight.add_folder, directory=str(tmp_path / "none")
+    )
 
 
 def test_search_and_order_as_one_types(shown):
@@ -115,9 +117,9 @@ def test_swatches_under_this_sky_and_under_d65(shown, scene):
     choose("moss")
     lit = library_state.lit_by
     bpy.ops.skylight.assign_to_active()
-    assert "refresh" not in drawn(library.SKYLIGHT_PT_library).text  # it is the same sky
+    assert "Press Refresh" not in drawn(library.SKYLIGHT_PT_library).text  # it is the same sky
     scene.world = None
-    assert "refresh" in drawn(library.SKYLIGHT_PT_library).text
+    assert "Press Refresh" in drawn(library.SKYLIGHT_PT_library).text
     bpy.ops.skylight.refresh_library()
     assert library_state.under_sky is None and library_state.lit_by != lit
     assert shown.spectra[shown.active].name == "moss"
@@ -142,17 +144,17 @@ def test_assigning_makes_spectral_and_refreshing_keeps_it(shown, tmp_path, capfd
     (tmp_path / "brick.csv").rename(tmp_path / "moved" / "paints.csv")
     capfd.readouterr()
     bpy.ops.skylight.refresh_library()
-    assert "Wall: its file is found at" in capfd.readouterr().out
+    assert "Wall: its file was found at" in capfd.readouterr().out
     assert own.filepath.endswith("paints.csv") and given("Wall") == "moss"
     np.testing.assert_array_equal(stage.matrix("Wall"), before)
     file = tmp_path / "moved" / "paints.csv"
     file.write_text(file.read_text().replace("0.300", "0.290"))
     bpy.ops.skylight.refresh_library()
-    assert "has changed: apply it anew" in capfd.readouterr().out
+    assert "has changed: apply it again" in capfd.readouterr().out
     np.testing.assert_array_equal(stage.matrix("Wall"), before)
     file.unlink()
     bpy.ops.skylight.refresh_library()
-    assert "Wall keeps its reflectance, but" in capfd.readouterr().out
+    assert "Wall keeps its reflectance. " in capfd.readouterr().out
     np.testing.assert_array_equal(stage.matrix("Wall"), before)
     assert bpy.ops.skylight.update() == {"FINISHED"}
 
@@ -202,7 +204,9 @@ def test_an_asset_library_is_written_and_made_spectral(shown, tmp_path, brick):
     bpy.ops.skylight.make_spectral()
     assert given("moss") == "moss"
     shown.search = "nothing like it"
-    assert "finds nothing" in error_of(bpy.ops.skylight.write_assets, directory=str(folder))
+    assert "matches no reflectance" in error_of(
+        bpy.ops.skylight.write_assets, directory=str(folder)
+    )
 
 
 def test_a_list_without_its_library_asks_for_it(enabled):
@@ -225,7 +229,7 @@ def test_dropping_a_file_of_one_column(scene, tmp_path, brick):
 def test_dropping_a_file_of_many(scene, tmp_path, brick):
     said = error_of(bpy.ops.skylight.drop_reflectance, filepath=brick)
     assert "holds 2 materials" in said and "'brick', 'moss'" in said
-    assert "is not named" in error_of(bpy.ops.skylight.drop_reflectance)
+    assert "has no path" in error_of(bpy.ops.skylight.drop_reflectance)
     assert bpy.ops.skylight.drop_reflectance(filepath=brick, column="moss") == {"FINISHED"}
     assert given("Wall") == "moss"
 

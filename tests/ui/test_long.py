@@ -66,7 +66,7 @@ def test_work_goes_on_between_events():
     for k in range(3):
         assert count.modal(window, event("MOUSEMOVE")) == {"RUNNING_MODAL"}
         assert count.modal(window, event("TIMER")) == {"RUNNING_MODAL"}
-        text = f"Counting number {k}: {100 * k / 3:.0f} %. Esc ends"
+        text = f"Counting number {k}: {100 * k / 3:.0f} %. Press Esc to stop"
         assert window.told[-1] == ("status_text_set", text)
     assert count.modal(window, event("TIMER")) == {"FINISHED"}
     assert count.reports == [("INFO", "done: counted")]

@@ -33,9 +33,9 @@ def test_the_sky_and_what_of_it_is_missing(applied):
     assert "Sky: sky.exr" in sky.text
     assert "open sky: no shadows but the sun's yet" in drawn(panels.SKYLIGHT_PT_result).text
     assert "the sun at" in drawn(panels.SKYLIGHT_PT_light).text
-    assert "irradiance of degree" in numbers.text
-    assert "% at worst" in numbers.text
-    assert "press Update" not in sky.text
+    assert "Irradiance of degree" in numbers.text
+    assert "largest error" in numbers.text
+    assert "Press Update" not in sky.text
     assert sky.operators == ["skylight.load_sky"]
 
 
@@ -60,7 +60,7 @@ def test_a_world_without_an_HDRI(scene):
 def test_another_HDRI_asks_for_an_update(applied):
     image = applied.world.node_tree.nodes["Environment Texture"].image
     applied.world.node_tree.nodes["Environment Texture"].image = image.copy()
-    assert "press Update" in drawn(panels.SKYLIGHT_PT_sky).text
+    assert "Press Update" in drawn(panels.SKYLIGHT_PT_sky).text
 
 
 PANELS_OF_A_MATERIAL = [panels.SKYLIGHT_PT_material, material_panel.SKYLIGHT_PT_material_properties]
@@ -71,9 +71,9 @@ def test_a_spectral_material(applied, panel):
     shown = drawn(panel)
     found = spectral_material.managed(bpy.data.materials["Wall"]).details.result
     rgb, spectral = found.rgb_delta_E, found.matrix_delta_E
-    assert f"RGB is off by ΔE {rgb:.1f}, spectral by {spectral:.1f}" in shown.text
+    assert f"Mean error: ΔE {rgb:.1f} with RGB × RGB, {spectral:.1f} spectral" in shown.text
     assert "brick" in shown.text
-    assert "out of gamut" not in shown.text
+    assert "Out of gamut" not in shown.text
     assert shown.properties == ["kind", "filepath", "column", "unit", "behind", "swatch"]
     assert {"skylight.apply", "skylight.remove"} <= set(shown.operators)
 
@@ -96,13 +96,13 @@ def test_no_material(scene):
 def test_warnings_of_a_material(applied):
     edit(out_of_gamut=True, colour=[-0.5, 2.0, 4.0], white=1.0, rgb_delta_E=float("nan"))
     text = drawn(panels.SKYLIGHT_PT_material).text
-    assert "out of gamut: Blender clamps it" in text
-    assert "brighter than white: shown at 25 % of its brightness" in text
-    assert "its error is unknown: the sky is dark" in text
+    assert "Out of gamut: Blender clamps it" in text
+    assert "Brighter than white. The swatch shows 25 % of it" in text
+    assert "Error unknown: the sky is dark" in text
     bpy.data.materials["Wall"].skylight.column = "moss"
-    assert "moss is chosen but not applied yet" in drawn(panels.SKYLIGHT_PT_material).text
+    assert "moss is not applied yet" in drawn(panels.SKYLIGHT_PT_material).text
     applied.world = applied.world.copy()
-    assert "not this scene's: press Update" in drawn(panels.SKYLIGHT_PT_material).text
+    assert "not by this scene's. Press Update" in drawn(panels.SKYLIGHT_PT_material).text
 
 
 def test_a_file_that_cannot_be_read(scene):

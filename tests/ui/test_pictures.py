@@ -132,7 +132,7 @@ def test_a_sky_that_cannot_be_read_says_so(applied, made, tmp_path):
 def test_a_world_to_be_baked_waits_until_someone_wants_its_light(applied):
     applied.world = bpy.data.worlds.new("Grey")
     assert portraits.sky_key(applied.world) is None
-    assert "once a material is spectral" in drawn(pictures.SKYLIGHT_PT_sky_map).text
+    assert "Make a material spectral to show the map" in drawn(pictures.SKYLIGHT_PT_sky_map).text
     bpy.ops.skylight.update()
     assert portraits.sky_key(applied.world) is not None
     assert "Drawing..." in drawn(pictures.SKYLIGHT_PT_sky_map).text

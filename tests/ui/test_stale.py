@@ -99,7 +99,7 @@ def test_a_file_that_changed_on_disk_is_told_at_update(watched, brick, tmp_path,
     (tmp_path / "brick.csv").write_text(text.replace("0.450", "0.460"))
     old = matrix()
     bpy.ops.skylight.update()
-    assert "Wall: brick.csv has changed: apply it anew" in problems()
+    assert "Wall: brick.csv has changed: apply it again" in problems()
     assert "brick.csv has changed" in capfd.readouterr().out
     assert matrix() == pytest.approx(old)  # the file's own copy holds until then
     bpy.ops.skylight.make_spectral()
@@ -120,13 +120,13 @@ def test_bakes_that_are_missing_or_old_are_listed(watched, brick):
     assert out_of_date.unbaked(watched) == []  # no bake is asked for
     select("Wall")
     bpy.ops.skylight.bake(rays=32, selected=True)
-    assert "not baked, or changed since: Roof" in problems()
+    assert "Not baked, or changed since: Roof" in problems()
     bpy.ops.skylight.bake(rays=32)
     assert problems() == ""
     bpy.data.objects["Wall"].rotation_euler.x = 0.5
-    assert "Objects have changed since: Update finds old bakes" in problems()
+    assert "Objects have changed. Press Update to find outdated bakes" in problems()
     bpy.ops.skylight.update()
-    assert "not baked, or changed since: Wall" in problems()
+    assert "Not baked, or changed since: Wall" in problems()
     bpy.ops.skylight.bake(rays=32)
     assert problems() == ""
 

@@ -98,7 +98,7 @@ def submit(manager: str, job: dict[str, Any]) -> str:
 def _address(manager: str) -> str:
     if not manager.startswith(("http://", "https://")):
         raise InputError(
-            parameter("manager"), f'"{manager}" is no address', "write http://HOST:8080"
+            parameter("manager"), f'"{manager}" is not an address', "write http://HOST:8080"
         )
     return manager.rstrip("/")
 
@@ -115,7 +115,9 @@ def _answers(manager: str) -> Iterator[None]:
         raise InputError(manager, f"refuses ({_said(error)})", "see its log") from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         reason = str(getattr(error, "reason", error))
-        raise InputError(manager, f"is no Manager that answers ({reason})", "check it") from None
+        raise InputError(
+            manager, f"does not answer as a Flamenco Manager ({reason})", "check it"
+        ) from None
 
 
 class _NoRedirect(urllib.request.HTTPRedirectHandler):

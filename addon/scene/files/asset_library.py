@@ -45,7 +45,7 @@ def write(
     be written to.
     """
     if not folder.is_dir():
-        raise InputError(folder, "is no folder", "choose one")
+        raise InputError(folder, "is not a folder", "choose one")
     made: list[bpy.types.Material] = []
     paths = [source.replace(":", " ") for source in sources]
     try:

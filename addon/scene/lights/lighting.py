@@ -60,15 +60,15 @@ class Lights:
         if self.sun is not None:
             lines.append(self.sun.line)
         if self.ground is None:
-            lines.append("light from below: the HDRI's own ground, which is grey")
+            lines.append("light from below: the HDRI's own ground, which is gray")
         else:
             lines.append(self.ground.line)
         if self.lamps is not None and self.lamps.classes.line:
-            lines.append(f"Eevee keeps two spectra of lamps apart: {self.lamps.classes.line}")
+            lines.append(f"Eevee supports two lamp spectra: {self.lamps.classes.line}")
         if self.dome is not None:
             lines.append(
-                f"shadows of the sky from {len(self.dome.numbers)} soft suns, in Eevee alone "
-                f"(two numbers of colour leave {100 * self.dome.left:.1f} %); Cycles sees all of it"
+                f"sky shadows from {len(self.dome.numbers)} soft sun lamps, only in Eevee "
+                f"(error {100 * self.dome.left:.1f} %); Cycles shows the whole sky"
             )
         return lines
 
@@ -235,8 +235,8 @@ def refresh(world: bpy.types.World) -> list[str]:
         light_linking.ensure(scene)
         if names := [f'"{obj.name}"' for obj in light_linking.mixed(scene)]:
             lines.append(
-                f"no sun on {', '.join(names[:5])}{' …' if names[5:] else ''}: beside spectral "
-                "materials it has others, which the sun's lamp would burn out"
+                f"no sun on {', '.join(names[:5])}{' …' if names[5:] else ''}: the sun's lamp "
+                "would overexpose their materials that are not spectral"
             )
     return lines
 

@@ -72,8 +72,8 @@ def reason_of(shader: Socket | None) -> str:
     leaves = list(_leaves(shader))
     for why, holds in (
         ("is a holdout", lambda node: node.type == "HOLDOUT"),
-        ("gives light of its own", _shines),
-        ("is glass: give it a transmittance", _is_glass),
+        ("emits light", _shines),
+        ("is glass: choose a transmittance for it", _is_glass),
         ("is a volume", lambda node: node.type in VOLUMES),
         ("is hair", lambda node: node.type in HAIR),
     ):
@@ -82,14 +82,14 @@ def reason_of(shader: Socket | None) -> str:
     seen = shader_rewrite.read(shader)
     if not seen.targets:
         clear = bool(leaves) and all(node.type in THROUGH for node in leaves)
-        return "is clear" if clear else "has no surface that a base colour tells of"
+        return "is clear" if clear else "has no base color to estimate a reflectance from"
     if (
         all(node.type in shader_rewrite.METALS for node in seen.targets)
         or seen.kind == shader_rewrite.gloss.METAL
     ):
-        return "is a metal: give it its n and k"
+        return "is a metal: choose a file with its n and k"
     if shader_rewrite.colour_input(seen.targets[0]) is None:
-        return f'its "{seen.targets[0].name}" tells no base colour'
+        return f'its "{seen.targets[0].name}" has no base color to estimate a reflectance from'
     return ""
 
 

@@ -88,7 +88,9 @@ def check_metal(material: bpy.types.Material) -> None:
     """Raise InputError for a material that shows no metal."""
     if not spectral_material.look_of(material).metal:
         raise InputError(
-            f'material "{material.name}"', "shows no metal", "set its Metallic to 1, or textured"
+            f'material "{material.name}"',
+            "is not metallic",
+            "set its Metallic to 1 or connect a texture to it",
         )
 
 

@@ -65,14 +65,14 @@ class Details:
         if found is None:
             return []
         if not math.isfinite(found.rgb_delta_E):
-            lines = [f"its error is unknown: {self.unknown or 'the sky is dark'}"]
+            lines = [f"Error unknown: {self.unknown or 'the sky is dark'}"]
         else:
             rgb, ours = found.rgb_delta_E, found.matrix_delta_E
-            lines = [f"RGB is off by ΔE {rgb:.1f}, spectral by {ours:.1f}"]
+            lines = [f"Mean error: ΔE {rgb:.1f} with RGB × RGB, {ours:.1f} spectral"]
             if math.isfinite(found.bound):
-                lines.append(f"at most {found.bound:.1f}; ΔE 1 is just noticeable")
+                lines.append(f"Largest error: ΔE {found.bound:.1f}. ΔE 1 is just noticeable")
         if found.out_of_gamut:
-            lines.append("out of gamut: Blender clamps it")
+            lines.append("Out of gamut: Blender clamps it")
         return lines
 
     def to_json(self) -> str:

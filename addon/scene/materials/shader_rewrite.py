@@ -259,7 +259,7 @@ def _left_out(node: Node) -> Iterator[str]:
     if node.type == "GROUP":
         yield f'what the group "{node.node_tree.name if node.node_tree else node.name}" adds'
     elif node.type in BASES - {"BSDF_PRINCIPLED", "BSDF_DIFFUSE"}:
-        yield f"what {node.bl_label} adds to a matt surface"
+        yield f"what {node.bl_label} adds to a diffuse surface"
     yield from (name.removesuffix(" Weight").lower() for name in LEFT_OUT if shows(node, name))
     if _fed_by(node.inputs.get("Tangent")) is not None:
         yield "tangent"
@@ -275,7 +275,7 @@ def _other(targets: Sequence[Node]) -> Iterator[str]:
     sockets = [socket for node in matt if (socket := colour_input(node)) is not None]
     colours = {_fed_by(s) or tuple(round(part, 4) for part in s.default_value) for s in sockets}
     if len(colours) > 1:
-        yield f"{len(colours) - 1} more base colour(s) that are mixed in"
+        yield f"{len(colours) - 1} more base color(s) that are mixed in"
 
 
 def colour_input(node: Node) -> Socket | None:

@@ -15,7 +15,7 @@ from ...errors import InputError
 from ..blend_data import nodes, working_space
 from . import sky_image
 
-CURE = "plug an equirectangular Environment Texture straight into the World's Background"
+CURE = "connect an equirectangular Environment Texture directly to the World's Background"
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class WorldSky:
             return ""
         live = ["Strength"] * bool(self.background) + ["Rotation"] * bool(self.mapping)
         verb = "are" if len(live) > 1 else "is"
-        follows = f"; {' and '.join(live)} {verb} followed live" if live else ""
+        follows = f"; {' and '.join(live)} {verb} updated live" if live else ""
         return f"baked once, for {self.why}: press Update after a change{follows}"
 
 
@@ -178,13 +178,13 @@ def develop(scene: bpy.types.Scene, matrix) -> bpy.types.World:
     image = scene.world.node_tree.nodes[sky.texture].image if sky.texture else None
     if image is None:
         raise InputError(
-            f'World "{scene.world.name}"', f"shows no camera's raw numbers: {sky.why}", CURE
+            f'World "{scene.world.name}"', f"does not show raw camera RGB: {sky.why}", CURE
         )
     tag = image.colorspace_settings
     if not (identity or tag.is_data or tag.name == working_space.name()):
         raise InputError(
             f'image "{image.name}"',
-            f"a camera's raw numbers, but tagged {tag.name}",
+            f"is raw camera RGB with the Color Space {tag.name}",
             "set its Color Space to Non-Color",
         )
     scene.world = _with_matrix(scene.world, matrix)

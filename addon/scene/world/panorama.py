@@ -16,7 +16,7 @@ from ..blend_data import working_space
 from . import capture, sky_image, sky_texture
 from . import hdri as worlds
 
-CUT_OFF = "its image has 8 bits a channel: light over white is cut off; use an .exr or .hdr"
+CUT_OFF = "its image has 8 bits per channel and clips light above white; use an .exr or .hdr"
 
 
 def light_of(world: bpy.types.World | None, sensors: np.ndarray) -> SkyLight:
@@ -74,7 +74,7 @@ def pixels_of(image: bpy.types.Image) -> np.ndarray:
         file = bpy.path.abspath(image.filepath, library=image.library)
         raise InputError(place, f'cannot be read from "{file}"', "restore or pack the file")
     if not image.is_float:
-        raise InputError(place, "has 8 bits a channel", "use an .exr or .hdr, which holds light")
+        raise InputError(place, "has 8 bits per channel", "use an .exr or .hdr, which holds light")
     sky_image.check_whole(image)
     pixels = np.empty(width * height * image.channels, dtype=np.float32)
     image.pixels.foreach_get(pixels)

@@ -25,7 +25,7 @@ from ..files.exr_decoder import read_sky
 KEY = "spectral_skylight_sky"
 """Of an image that holds a sky as it was read: its file, and what was done to it."""
 
-LOAD = "load it by Load Sky HDRI"
+LOAD = "load it with Load Sky HDRI"
 
 
 def load(path: Path, raw: bool = False, shown: bpy.types.Image | None = None) -> bpy.types.Image:

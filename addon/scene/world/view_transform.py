@@ -19,18 +19,24 @@ from . import settings as world_settings
 WHITE = ("use_white_balance", "white_balance_temperature", "white_balance_tint")
 
 TRANSFORMS = {
-    "Standard": (True, "shows colors as computed, and cuts off what is brighter than the screen"),
+    "Standard": (True, "shows colors as computed and clips what is brighter than the screen"),
     "Khronos PBR Neutral": (
         True,
-        "keeps colors as computed up to 80 % of white, and compresses what is brighter",
+        "shows colors as computed up to 80 % of white and compresses what is brighter",
     ),
-    "AgX": (False, "like film: bends hues and greys saturated colors, for pictures, not to judge"),
-    "Filmic": (False, "like film, older: lowers contrast and saturation, for pictures"),
-    "Filmic Log": (False, "a flat picture to be graded elsewhere"),
-    "ACES 1.3": (False, "cinema's: strong contrast, bends bright hues, for pictures"),
-    "ACES 2.0": (False, "cinema's: contrast like film, hues kept better, for pictures"),
-    "False Color": (False, "shows brightness as a heat map, no colors"),
-    "Raw": (False, "shows linear numbers as they are: too dark, and no colors of the screen"),
+    "AgX": (False, "looks like film: shifts hues and desaturates. Do not judge colors in it"),
+    "Filmic": (False, "looks like film: lowers contrast and saturation. Do not judge colors in it"),
+    "Filmic Log": (False, "shows a flat picture for grading in another program"),
+    "ACES 1.3": (
+        False,
+        "looks like cinema: strong contrast, shifts bright hues. Do not judge colors in it",
+    ),
+    "ACES 2.0": (
+        False,
+        "looks like cinema: contrast like film, keeps hues better. Do not judge colors in it",
+    ),
+    "False Color": (False, "shows brightness as a heat map"),
+    "Raw": (False, "shows linear values without conversion: too dark, with wrong colors"),
 }
 """Blender's view transforms: whether colours can be judged by it, and what it does."""
 
@@ -38,45 +44,45 @@ TRANSFORMS = {
 def transform_line(scene: bpy.types.Scene) -> tuple[bool, str]:
     """Whether colours can be judged by a scene's view transform, and a sentence on what it does."""
     name = scene.view_settings.view_transform
-    fit, does = TRANSFORMS.get(name, (False, "a view of your own configuration"))
+    fit, does = TRANSFORMS.get(name, (False, "comes from a custom color configuration"))
     look = scene.view_settings.look
     if look not in ("", "None"):
-        fit, does = False, f"{does}; its look {look} changes colors again"
+        fit, does = False, f"{does}. The look {look} also changes colors"
     if scene.view_settings.use_curve_mapping:
-        fit, does = False, f"{does}; its curves change colors again"
+        fit, does = False, f"{does}. The curves also change colors"
     return fit, f"{name}: {does}"
 
 
-def hindrance(scene: bpy.types.Scene, level: Sequence[float] | None) -> str:
+def disabled_reason(scene: bpy.types.Scene, level: Sequence[float] | None) -> str:
     """Why a scene's white cannot be made neutral, empty where it can.
 
     ``level``: RGB of a white, level face under its sky, None before that is known.
     """
     world = scene.world
     if level is None or world is None:
-        return "Make a material spectral first: its sky's light tells the white"
+        return "Make a material spectral first"
     if (world_settings.stored(world) or world_settings.Settings()).white is not None:
-        return "The HDRI is white-balanced already: once more would be twice"
+        return "The HDRI is already white-balanced"
     view = scene.view_settings
     white_level = tuple(view.curve_mapping.white_level) if view.use_curve_mapping else (1.0,) * 3
     if max(white_level) - min(white_level) > 1e-6:
-        return "The view's curves have a white level already: once more would be twice"
+        return "The view's curves already set a white level"
     if tags.VIEW not in scene and view.use_white_balance:
-        return "The view has a White Balance of its own: once more would be twice"
+        return "The view already uses White Balance"
     if min(level) <= 0.0:
-        return "This sky's light has no white"
+        return "The light of this sky has no white point"
     return ""
 
 
 def neutral(scene: bpy.types.Scene, level: Sequence[float]) -> str:
     """Let a white, level face of this RGB (3,) look neutral in a scene's view; return a line.
 
-    Raises InputError where `hindrance` says why not, and for a light that is bluer or greener than
-    Blender's white balance goes; the view is as before then.
+    Raises InputError where `disabled_reason` says why not, and for a light that is bluer or
+    greener than Blender's white balance goes; the view is as before then.
     """
     place = f'scene "{scene.name}"'
-    if why := hindrance(scene, level):
-        raise InputError(place, why, "leave one of both")
+    if why := disabled_reason(scene, level):
+        raise InputError(place, why, "use only one white balance")
     view = scene.view_settings
     before = _values(view)
     kept = scene[tags.VIEW].to_dict() if tags.VIEW in scene else {"before": before}
@@ -87,12 +93,14 @@ def neutral(scene: bpy.types.Scene, level: Sequence[float]) -> str:
     if off > 2e-3:  # Blender leaves it as it was
         _set(view, before)
         raise InputError(
-            place, "its light is beyond Blender's white balance", "leave it, or set it by hand"
+            place,
+            "its light is outside the range of Blender's White Balance",
+            "set the white balance by hand",
         )
     scene[tags.VIEW] = {**kept, "ours": _values(view)}
     return (
-        f"white of the sky: {view.white_balance_temperature:.0f} K, "
-        f"tint {view.white_balance_tint:+.0f}; scene-linear EXR is not changed by it"
+        f"White Balance: {view.white_balance_temperature:.0f} K, "
+        f"tint {view.white_balance_tint:+.0f}; scene-linear EXR files do not change"
     )
 
 
