@@ -46,7 +46,7 @@ def items(choices: Choices, *, upper: bool = False) -> tuple[tuple[str, str, str
 
 BASES: Choices = {
     "rayleigh": Entry(
-        "Rayleigh", "Sunlight that air scatters not at all, once and twice. For clear skies"
+        "Rayleigh", "Unscattered, once and twice scattered sunlight. For clear skies"
     ),
     "daylight": Entry(
         "CIE Daylight", "CIE daylight functions, from measured days. Also for overcast"
