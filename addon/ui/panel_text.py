@@ -110,7 +110,7 @@ def material(
     choice = shown.skylight
     applied = name.partition(BEHIND)[0]
     if choice.column and choice.kind == "REFLECTANCE" and choice.column != applied:
-        paragraph(box, context, f"{choice.column} is not applied yet. Press Apply", "ERROR")
+        paragraph(box, context, f"{choice.column} is not applied yet", "ERROR")
     box.prop(choice, "swatch")
     if choice.swatch_scale < 1.0:
         text = f"Brighter than white. The swatch shows {100 * choice.swatch_scale:.2g} % of it"
