@@ -36,6 +36,10 @@ LIGHT = "spectral_skylight_description"
 SUN_THRESHOLD = "spectral_skylight_sun_threshold"
 """On a World: its own Sun Threshold, which is ours meanwhile."""
 
+# On images
+SKY = "spectral_skylight_sky"
+"""On an image that holds a sky as it was read: its file, and what was done to it."""
+
 # On scenes
 LEFT_ALONE = "spectral_skylight_left"
 """Names of materials that were left alone, and why, as JSON."""

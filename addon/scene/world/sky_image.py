@@ -15,15 +15,13 @@ from typing import Any
 
 import bpy
 
+from ... import tags
 from ...errors import InputError
 from ...sky.file_claims import regular_size
 from ...sky.header_notes import Said, read_said
 from ...sky.panorama import Panorama, write_panorama
 from ...spectra.working_spaces import DEFAULT_SPACE
 from ..files.exr_decoder import read_sky
-
-KEY = "spectral_skylight_sky"
-"""Of an image that holds a sky as it was read: its file, and what was done to it."""
 
 LOAD = "load it with Load Sky HDRI"
 
@@ -40,7 +38,7 @@ def load(path: Path, raw: bool = False, shown: bpy.types.Image | None = None) ->
         if (image == shown or (image.users and image.library is None)) and is_of(image, path)
     ]
     for image in there:
-        if KEY in image and _kept(image).get("raw") == raw:
+        if tags.SKY in image and _kept(image).get("raw") == raw:
             return image
     sky = read_sky(path, raw)
     if not sky.space:
@@ -48,7 +46,7 @@ def load(path: Path, raw: bool = False, shown: bpy.types.Image | None = None) ->
     for image in there:
         # Of a file that says nothing a user's own choice stands, as a raw one's is judged later.
         chosen = sky.space == DEFAULT_SPACE or (raw and image == shown)
-        if KEY not in image and (chosen or image.colorspace_settings.name == sky.space):
+        if tags.SKY not in image and (chosen or image.colorspace_settings.name == sky.space):
             return image
     image = bpy.data.images.load(str(path))
     # Blender knows some colour spaces by names of theirs that we do not: its choice stands.
@@ -77,13 +75,13 @@ def _packed(path: Path, sky: Panorama, raw: bool) -> bpy.types.Image:
         image.pack()
     image.filepath_raw = f"//{copy.name}"
     image.name = path.name
-    image[KEY] = json.dumps({"file": _stamp(path), "raw": raw, "notes": list(sky.notes)})
+    image[tags.SKY] = json.dumps({"file": _stamp(path), "raw": raw, "notes": list(sky.notes)})
     return image
 
 
 def is_of(image: bpy.types.Image, path: Path) -> bool:
     """Return whether an image shows a file, or holds it as it was read."""
-    if KEY in image:
+    if tags.SKY in image:
         return bool(_kept(image).get("file") == _stamp(path))
     file = bpy.path.abspath(image.filepath, library=image.library)
     return image.source == "FILE" and bool(file) and Path(file).resolve() == path
@@ -92,7 +90,7 @@ def is_of(image: bpy.types.Image, path: Path) -> bool:
 def _kept(image: bpy.types.Image) -> dict[str, Any]:
     """Return what is kept with an image; empty where that was overwritten."""
     try:
-        found = json.loads(image[KEY])
+        found = json.loads(image[tags.SKY])
     except (TypeError, ValueError):
         return {}
     return found if isinstance(found, dict) else {}
@@ -109,7 +107,7 @@ def _stamp(path: Path) -> list[str | int]:
 
 def notes(image: bpy.types.Image) -> list[str]:
     """Return what should be known of an image's numbers, by the header of its file, a line each."""
-    if KEY in image:
+    if tags.SKY in image:
         found = _kept(image).get("notes")
         return [str(note) for note in found] if isinstance(found, list) else []
     said = _said(image)
@@ -136,7 +134,7 @@ def notes(image: bpy.types.Image) -> list[str]:
 
 def check_whole(image: bpy.types.Image) -> None:
     """Raise InputError for an image whose file is a part of a panorama, which Blender stretches."""
-    said = None if KEY in image else _said(image)
+    said = None if tags.SKY in image else _said(image)
     if said is not None and said.black:
         what = "its file is cropped, and Blender stretches it over the whole sphere"
         raise InputError(f'image "{image.name}"', what, f"{LOAD}, which fills in black")
