@@ -43,7 +43,7 @@ KEYS = {
     "sun": "whether the sun of each HDRI shines; true",
     "ground": listed(GROUNDS),
     "occlusion": listed(OCCLUSIONS),
-    "bounce": "whether bakes include one bounce",
+    "bounce": "reflected light; a bake includes it anyway",
     "gloss": "whether materials keep their gloss",
     "basis": f"{listed(offered_bases())}; {BASIS}",
     "tolerance": "CIEDE2000",

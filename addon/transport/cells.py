@@ -58,11 +58,19 @@ class Surfaces:
         return np.sqrt(np.linalg.norm(np.cross(one, two), axis=1))
 
 
-def levels_for(surfaces: Surfaces, length: float, most: int) -> NDArray[np.int64]:
-    """Return how often to cut each triangle for cells about so long, at most so many in all."""
+def levels_for(
+    surfaces: Surfaces, length: float, most: int, small: float = np.inf
+) -> NDArray[np.int64]:
+    """Return how often to cut each triangle for cells about so long, at most so many in all.
+
+    Those that are longer than ``small`` get 64 cells each or 16 or 4, as long as that leaves half
+    of them: a yard in a wide field has its own scale.
+    """
+    large = surfaces.lengths > small
+    least = next((k for k in (3, 2, 1) if large.sum() * 4**k <= most / 2), 0)
     while True:
         wanted = np.ceil(np.log2(np.maximum(surfaces.lengths / length, 1.0)))
-        levels = np.minimum(wanted, FINEST).astype(int)
+        levels = np.minimum(np.maximum(wanted, least * large), FINEST).astype(int)
         if len(levels) == 0 or (4**levels).sum() <= max(most, len(levels)):
             return levels
         length *= 1.2

@@ -9,9 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ....node_groups import baked_light, modifiers
 from ...progress import Progress
@@ -23,13 +25,16 @@ from . import geometry, layout, storage, surroundings
 from .light import Light
 from .receivers import Points, Receivers, Target, filled
 
-PATCHES = 40_000, 120_000
+PATCHES = 20_000, 60_000
 """At most so many at first and at last, where a scene has no more triangles."""
 
 SENT = 64, 128
 """Rays from each patch, at first and at last."""
 
-BUDGET = 100e6, 4e6
+FIRST = 64
+"""Rays of the first pass."""
+
+BUDGET = 68e6, 4e6
 """Rays from points in all, with and without `embreex`: some seconds."""
 
 
@@ -69,7 +74,9 @@ def baking(
         found = surroundings.signatures(around)
         surfaces = around.surfaces
         matter = light.matter(around.materials)
-        levels = levels_for(surfaces, layout.START * around.size, PATCHES[0])
+        levels = levels_for(
+            surfaces, layout.START * around.size, PATCHES[0], layout.SMALL * around.size
+        )
         space = Space(Cells.of(surfaces, levels, layout.SMALL * around.size), matter, slow)
         coarse = Radiosity(space)
         for done in coarse.cast(SENT[0], alike=True):
@@ -91,19 +98,17 @@ def baking(
         session = _Session(0, around.materials, radiosity, receivers)
         solved = _solve(session, light)
         total = _rays(len(receivers), slow) if count is None else count
-        for part, parts in ((0, 4), (1, 4)):
-            pattern = directions.pattern(total // 4, part, parts)
-            if part:
-                rest = [directions.pattern(total // 4, k, 4) for k in (1, 2, 3)]
-                pattern = np.concatenate(rest)
+        cast = 0
+        for pattern in _passes(total):
             for done in receivers.cast(space, pattern):
-                share = 0.6 + 0.1 * done if part == 0 else 0.7 + 0.3 * done
-                yield Progress(share, f"{len(receivers):,} points")
+                share = (cast + done * len(pattern)) / total
+                yield Progress(0.6 + 0.4 * share, f"{len(receivers):,} points")
             _write(session, light, solved)
-            if part == 0:
+            if not cast:
                 for plan in plans:
                     surroundings.remember(plan.bake, plan.obj.name_full, found)
-                yield Progress(0.7, "a first light")
+                yield Progress(0.6 + 0.4 * len(pattern) / total, "a first light")
+            cast += len(pattern)
         session.key = _key()
         _last.append(session)
     finally:
@@ -122,7 +127,9 @@ def relight(objects: Sequence[bpy.types.Object], light: Light) -> list[str]:
         around = geometry.gather(bpy.context.evaluated_depsgraph_get())
         surfaces = around.surfaces
         matter = light.matter(around.materials)
-        levels = levels_for(surfaces, layout.START * around.size, PATCHES[1])
+        levels = levels_for(
+            surfaces, layout.START * around.size, PATCHES[1], layout.SMALL * around.size
+        )
         space = Space(Cells.of(surfaces, levels, layout.SMALL * around.size), matter)
         radiosity = Radiosity(space)
         for _ in radiosity.cast(SENT[1]):
@@ -193,11 +200,22 @@ def _kept_targets(objects: Sequence[bpy.types.Object], around: geometry.Geometry
 
 
 def _rays(points: int, slow: bool) -> int:
-    """From each of so many points, a multiple of 4."""
+    """From each of so many points, a power of 2."""
     embree = rays.fast() and not slow
     least, most = (128, 2048) if embree else (64, 256)
     wanted = BUDGET[0 if embree else 1] / max(points, 1)
     return int(np.clip(2 ** np.round(np.log2(wanted)), least, most))
+
+
+def _passes(total: int) -> list[NDArray]:
+    """The patterns of all passes, ``total`` rays together: each is four to eight times as long as
+    all before it."""
+    parts = max(1, total // FIRST)
+    pieces = [directions.pattern(total // parts, part, parts) for part in range(parts)]
+    ends = [0, 1]
+    while ends[-1] < parts:
+        ends.append(parts if 8 * ends[-1] >= parts else 4 * ends[-1])
+    return [np.concatenate(pieces[a:b]) for a, b in pairwise(ends)]
 
 
 def _key() -> int:
@@ -210,4 +228,4 @@ def _key() -> int:
             place = tuple(round(value, 6) for row in instance.matrix_world for value in row)
             slots = [s.material.name_full for s in instance.object.material_slots if s.material]
             parts.append((instance.object.name, place, len(mesh.vertices), *slots))
-    return hash(tuple(parts))
+    return hash(tuple(sorted(parts)))

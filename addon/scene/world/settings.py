@@ -44,7 +44,7 @@ class Settings:
     lies under the materials, else the HDRI's."""
     occlusion: str = default(OCCLUSIONS)
     bounce: bool = False
-    """Whether baked light holds what one bounce between materials brings."""
+    """Asked for every bounce between surfaces, which baked light holds anyway."""
     gloss: bool = False
     """Whether materials keep gloss and metal over their measured base."""
 
