@@ -77,7 +77,8 @@ OCCLUSIONS: Choices = {
         "Live", "24 soft sun lamps cast the sky's shadows in Eevee, also of moving objects"
     ),
     BAKED: Entry(
-        "Baked", "Each vertex stores all light that it gets, reflected light too, in Eevee and Cycles"
+        "Baked",
+        "Each vertex stores all light that it gets, reflected light too, in Eevee and Cycles",
     ),
 }
 """How geometry that hides the sky darkens materials."""
