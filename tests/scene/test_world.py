@@ -248,7 +248,9 @@ def test_raw_numbers_must_not_be_converted(scene, tmp_path):
         worlds.develop(scene, RAW)
     scene.world.node_tree.nodes.remove(scene.world.node_tree.nodes["Value"])
     image.colorspace_settings.name = "ACEScg"
-    with pytest.raises(InputError, match="tagged ACEScg; set its Color Space to Non-Color"):
+    with pytest.raises(
+        InputError, match="with the Color Space ACEScg; set its Color Space to Non-Color"
+    ):
         worlds.develop(scene, RAW)
     image.colorspace_settings.name = "Non-Color"
     worlds.develop(scene, RAW)

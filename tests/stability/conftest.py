@@ -5,12 +5,12 @@ from pathlib import Path
 import pytest
 
 TABLE = Path(__file__).with_name("README.md")
-HEAD = """# Where the methods break, and what the add-on does then
+HEAD = """# Where the methods fail, and how the add-on responds
 
-Each row is a test in this folder, which keeps the failure, its figure and the answer; the table is
-theirs too: `pytest tests/stability --write-table` writes it anew. ΔE is CIEDE2000 in the mean over
-the ColorChecker where nothing else is said, and includes what the basis itself leaves. Skies are
-simulated, by the air that `atmosphere` was made from: of that basis these are the best cases.
+Each row is a test in this folder, which reproduces the failure, its figure and the response of the
+add-on. `pytest tests/stability --write-table` writes the table. ΔE is the mean CIEDE2000 over the
+ColorChecker unless stated otherwise, and includes the error of the basis itself. The air of the
+simulated skies is that of `atmosphere`, so these are the best cases for that basis.
 """
 
 _rows = pytest.StashKey[dict]()
