@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import bpy
@@ -40,7 +41,7 @@ class Geometry:
     solid: NDArray[np.bool_]
     """(n,), whether its back is inside something closed."""
 
-    @property
+    @cached_property
     def size(self) -> float:
         """The longest edge of the box around all of it, 0 without triangles."""
         return float(np.ptp(self.corners.reshape(-1, 3), axis=0).max()) if len(self.corners) else 0
