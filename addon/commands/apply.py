@@ -106,7 +106,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--bounce",
         action="store_true",
-        help="also bake the light that spectral materials reflect onto each other",
+        help="reflected light, which baked sky shadows always include",
     )
     parser.add_argument(
         "--gloss",

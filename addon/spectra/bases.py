@@ -130,5 +130,5 @@ def basis(
     if found := re.fullmatch(r"measured[ :=]\s*(.+)", name):
         return measured(found[1])
     raise InputError(
-        parameter("basis"), f"'{name}' is no basis", f"choose {listed([*BASES, MEASURED])}"
+        parameter("basis"), f"'{name}' is not a basis", f"choose {listed([*BASES, MEASURED])}"
     )

@@ -85,12 +85,12 @@ def percent_columns(
     converted = np.array([one.quantity not in quantities.TAKEN for one in table.said], dtype=bool)
     if unit is not None:
         percent = np.full(len(told), unit == quantities.PERCENT) & ~converted
-        return percent, [f"read as {unit}, as told"] if not converted.all() else [], {}
+        return percent, [f"read as {unit}, as requested"] if not converted.all() else [], {}
     percent = np.array([one == quantities.PERCENT for one in told], dtype=bool)
     silent = np.array([one not in UNITS for one in told], dtype=bool)
     notes, unclear = [], {}
     if (~silent & ~converted).any() and table.format in ("CSV", "text in columns"):
-        notes.append("the unit is the one that the file tells")
+        notes.append("the unit is the one that the file states")
     if not silent.any():
         return percent, notes, unclear
     seen = table.visible()
@@ -208,7 +208,7 @@ def _problem(
         check_range(part)
     except InputError as error:
         return error
-    return InputError(part.place(None, 0), "cannot be used", "mend it")
+    return InputError(part.place(None, 0), "cannot be used", "correct it")
 
 
 def _check_values(table: Table, values: NDArray, percent: bool) -> None:
@@ -217,8 +217,8 @@ def _check_values(table: Table, values: NDArray, percent: bool) -> None:
         (~np.isfinite(values), "is not a number", "fill in the measurement or remove the row"),
         (
             values <= CLIPPED_DOWN_TO,
-            "is under 0",
-            "mend the measurement: a reflectance lies in 0 to 1",
+            "is below 0",
+            "correct the measurement: a reflectance lies in 0 to 1",
         ),
         (
             values > CLIPPED_UP_TO,
@@ -233,5 +233,5 @@ def _check_values(table: Table, values: NDArray, percent: bool) -> None:
             if table.lines is not None:
                 word = table.words.get((int(table.lines[row]), table.names[0]))
             if word is not None:
-                shown, cure = f"'{plain(word)[:40]}'", "mend it"
+                shown, cure = f"'{plain(word)[:40]}'", "correct it"
             raise InputError(table.place(row, 0), f"{shown} {problem}", cure)

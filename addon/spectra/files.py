@@ -45,7 +45,7 @@ def regular(path: Path) -> int:
     if stat.S_ISDIR(found.st_mode):
         raise InputError(path, "cannot be read (Is a directory)", "check the path")
     if not stat.S_ISREG(found.st_mode):
-        raise InputError(path, "is no regular file", "give a file, not a pipe or a device")
+        raise InputError(path, "is not a regular file", "give a file, not a pipe or a device")
     return found.st_size
 
 

@@ -104,7 +104,9 @@ class Library:
         Raises `InputError` for another order.
         """
         if by not in ORDERS:
-            raise InputError(parameter("sort"), f"'{by}' is no order", f"choose {listed(ORDERS)}")
+            raise InputError(
+                parameter("sort"), f"'{by}' is not an order", f"choose {listed(ORDERS)}"
+            )
         if by in ("name", "source"):
             keys = self._texts if by == "name" else [source.casefold() for source in self.sources]
             return np.array(sorted(range(len(self)), key=keys.__getitem__), dtype=int)
@@ -158,7 +160,7 @@ class _Folder:
     def read(self) -> Generator[Progress, None, None]:
         """Read what is new, yielding how far it is; `library` is there at the end."""
         if not self.folder.is_dir():
-            line = f"{self.folder}: is no folder; choose it anew or take it off the list"
+            line = f"{self.folder}: is not a folder; choose it again or remove it from the list"
             self.library = Library(problems=(line,), unused=1)
             return
         place = cache.place(
@@ -233,7 +235,7 @@ def _record(path: Path) -> dict[str, Any]:
     except InputError as error:
         return _nothing(str(error))
     except Exception as error:  # a damaged file must not cost the others, whatever it raises
-        line = f"{path}: cannot be read ({type(error).__name__}: {error}); take it anew"
+        line = f"{path}: cannot be read ({type(error).__name__}: {error}); get the file again"
         return _nothing(" ".join(line.split()))
     classes = read.classes or ("",) * len(read.names)
     return {

@@ -46,7 +46,7 @@ def _once(path: Path, x: NDArray, y: NDArray) -> tuple[NDArray, NDArray]:
         visible = twice[(twice >= LIGHT[0]) & (twice <= LIGHT[1])]
         if visible.size:
             raise InputError(
-                path, f"wavelength {visible[0]:g} nm stands there twice", "remove one of the two"
+                path, f"wavelength {visible[0]:g} nm occurs twice", "remove one of the two"
             )
     return once, y[first]
 

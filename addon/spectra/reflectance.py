@@ -102,7 +102,7 @@ def read_all(path: str | Path, unit: str | None = None) -> Reflectances:
 def _admitted(table: Table, unit: str | None, column: str | None) -> Reflectances:
     """Return of a table the reflectances, or the one that ``column`` names, that can be used."""
     if unit is not None and unit not in UNITS:
-        raise InputError(parameter("unit"), f"'{unit}' is no unit", f"choose {listed(UNITS)}")
+        raise InputError(parameter("unit"), f"'{unit}' is not a unit", f"choose {listed(UNITS)}")
     if column is not None:
         table = table.columns([_index(table, column)])
     as_read = dict(zip(table.names, table.said, strict=True))
@@ -116,7 +116,7 @@ def _admitted(table: Table, unit: str | None, column: str | None) -> Reflectance
     notes += how
     if refused:
         some = ", ".join(f"'{name}' ({as_read[name].quantity})" for name in list(refused)[:4])
-        notes.append(f"left out, for they are no reflectances: {some}")
+        notes.append(f"left out because they are not reflectances: {some}")
     if table.unsorted:
         notes.append("the rows were sorted by wavelength")
     if on.over.size:

@@ -82,7 +82,7 @@ def _on_grid(path: Path, name: str, table: NDArray, column: int) -> NDArray[np.f
     if wavelengths.size < 2:
         raise InputError(path, "holds no table of n and k", "give the columns wavelength, n, k")
     if not np.isfinite(wavelengths).all() or wavelengths.min() <= 0:
-        raise InputError(path, "holds numbers that are none", "mend or remove the row")
+        raise InputError(path, "contains values that are not finite", "correct or remove the row")
     low, high = LIGHT
     in_nm, in_um = (
         np.count_nonzero((wavelengths >= low / size) & (wavelengths <= high / size))
@@ -100,13 +100,17 @@ def _on_grid(path: Path, name: str, table: NDArray, column: int) -> NDArray[np.f
     twice = np.flatnonzero(np.diff(wavelengths) == 0)
     if twice.size:
         where = f"{wavelengths[twice[0]]:g} nm"
-        raise InputError(path, f"{where} stands there twice", "remove one of the rows")
+        raise InputError(path, f"{where} occurs twice", "remove one of the rows")
     if not np.isfinite(values).all():
-        raise InputError(path, "holds numbers that are none", "mend or remove the row")
+        raise InputError(path, "contains values that are not finite", "correct or remove the row")
     if values.max() > _LARGEST:
-        raise InputError(path, f"{name} is {values.max():g}", f"mend it: none is over {_LARGEST:g}")
+        raise InputError(
+            path, f"{name} is {values.max():g}", f"correct it: none is over {_LARGEST:g}"
+        )
     if values.min() < 0 or (name == "n" and values.min() <= 0):
-        raise InputError(path, f"{name} is {values.min():g}", "mend it: n is over 0, k at least 0")
+        raise InputError(
+            path, f"{name} is {values.min():g}", "correct it: n is over 0, k at least 0"
+        )
     gap = (np.diff(wavelengths) * (wavelengths[1:] > low) * (wavelengths[:-1] < high)).max()
     if gap > LARGEST_GAP:
         raise InputError(

@@ -140,7 +140,7 @@ def _down_too(sheet: Sheet, rows: Sequence[Row], cells: Sequence[str], runs) -> 
     raise InputError(
         f"{sheet.path}:{rows[0].line}",
         f"wavelengths stand in the heading ({nm.min():g}-{nm.max():g}) and down the first column",
-        "give one spectrum a column, with names over them",
+        "give one spectrum per column, with names over them",
     )
 
 
@@ -213,5 +213,5 @@ def _check_words(sheet: Sheet, rows: Sequence[Row], names, curves, words) -> Non
                 raise InputError(
                     f"{sheet.path}:{line}, {nm:g} nm",
                     f"'{plain(cell)[:40]}' is not a number",
-                    "mend it",
+                    "correct it",
                 )

@@ -89,7 +89,7 @@ def _read_camera(path: Path) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     values = table.values[:, columns]
     bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
     if bad.size:
-        raise InputError(table.place(int(bad[0])), "not a number", "mend or remove the row")
+        raise InputError(table.place(int(bad[0])), "not a number", "correct or remove the row")
     low, high = LIGHT[0] + 30, LIGHT[1] - 50
     if table.wavelengths[0] > low or table.wavelengths[-1] < high:
         raise InputError(

@@ -113,7 +113,7 @@ def _block(sheet: Sheet) -> _Block:
             raise InputError(
                 f"{sheet.path}:{broken.line}",
                 f"'{plain(broken.text)[:40]}' stands among the rows of numbers",
-                "mend or remove the line; give one table a file",
+                "correct or remove the line; give one table per file",
             )
     return _Block(rows[first:last], first, numeric)
 
@@ -222,7 +222,7 @@ def _groups(
         aside = [k for k in aside if k < at[0] or k not in worded]
     remarks = [f"'{plain(heads.names[k])}'" for k in aside if k in worded and k > at[0]]
     if remarks:
-        notes.append(f"left out, for they hold no numbers: {', '.join(remarks[:4])}")
+        notes.append(f"left out because they hold no numbers: {', '.join(remarks[:4])}")
     if len(at) > _MOST_PAIRS:
         raise InputError(sheet.path, f"has {len(at)} columns of wavelengths", "split the file")
     left_out = {*at, *aside}
@@ -271,7 +271,7 @@ def _unit(sheet: Sheet, rows: list[Row], head: str, x_unit: str, values: NDArray
     if unit == wavelengths.INDEX:
         raise InputError(
             f"{sheet.path}:{rows[0].line}",
-            f"'{plain(head or x_unit)[:40]}' is no wavelength",
+            f"'{plain(head or x_unit)[:40]}' is not a wavelength",
             "give wavelengths in nm",
         )
     return unit

@@ -9,7 +9,7 @@ from . import operator, properties, update
 
 
 class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
-    """Compute how much of the sky each vertex of spectral materials sees. Press Esc to stop"""
+    """Compute direct and reflected light on each vertex of spectral materials. Press Esc to stop"""
 
     bl_idname = "skylight.bake"
     bl_label = "Bake Sky Shadows"
@@ -57,7 +57,7 @@ class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
 
 
 class SKYLIGHT_OT_remove_bakes(operator.Thin, bpy.types.Operator):
-    """Remove the sky shadow bakes from all objects or from the selected objects"""
+    """Remove the baked sky shadows from all objects or from the selected objects"""
 
     bl_idname = "skylight.remove_bakes"
     bl_label = "Remove Bakes"

@@ -69,7 +69,6 @@ class SKYLIGHT_PT_light(OfWorld, bpy.types.Panel):
         layout.prop(numbers, "sun")
         layout.prop(numbers, "occlusion")
         if numbers.occlusion == BAKED:
-            layout.prop(numbers, "bounce")
             row = layout.row(align=True)
             row.operator("skylight.bake")
             row.operator("skylight.remove_bakes", text="", icon="X")

@@ -212,7 +212,7 @@ class SkylightNumbers(bpy.types.PropertyGroup):
     bounce: _stored_bool(
         "bounce",
         name="Bounce",
-        description="Also bake the light that spectral materials reflect onto each other",
+        description="Has no effect: baked sky shadows always include reflected light",
     )
     gloss: _stored_bool(
         "gloss",

@@ -189,7 +189,7 @@ def test_published_formats(tmp_path, write, name, kind):
 def test_the_rules_are_those_of_csv(tmp_path, write, name):
     """A negative value, a fluorescent one, a gap, a range too short: each named, with its place."""
     for wrong, what in (
-        (np.where(X == 500, -0.2, RISING), "is under 0"),
+        (np.where(X == 500, -0.2, RISING), "is below 0"),
         (np.where(X == 500, 1.2, RISING), "1.05|percent or fraction"),
     ):
         path = write(tmp_path, values=wrong)
@@ -291,8 +291,14 @@ def unlink_wavelengths(path):
 
 BROKEN = {
     "USGS, text": (broken(splib07, text(b" 1.2692308e-01", b" high")), ":7: 'high'"),
-    "USGS, no wavelengths": (broken(splib07, unlink_wavelengths), "no file of as many wavelengths"),
-    "ECOSTRESS, text": (broken(ecostress, text(b"0.9000\t", b"0.9000\tx")), ":.*is no measurement"),
+    "USGS, no wavelengths": (
+        broken(splib07, unlink_wavelengths),
+        "no file with that many wavelengths",
+    ),
+    "ECOSTRESS, text": (
+        broken(ecostress, text(b"0.9000\t", b"0.9000\tx")),
+        ":.*is not a measurement",
+    ),
     "ECOSTRESS, wavenumbers": (
         broken(ecostress, text(b"(micrometers)", b"(cm-1)")),
         "wavelengths in 'cm-1'",
@@ -337,7 +343,7 @@ BROKEN = {
         "declares a document type",
     ),
     "CxF3, text": (broken(cxf, text(b"0.10000000", b"none")), "object 'Blå': could not convert"),
-    "CxF3, no start": (broken(cxf, text(b'Id="M1"', b'Id="M2"')), "tells no first wavelength"),
+    "CxF3, no start": (broken(cxf, text(b'Id="M1"', b'Id="M2"')), "has no first wavelength"),
     "checker": (lambda f: "colour:Macbeth", "there are 'colour:BabelColor Average'"),
 }
 

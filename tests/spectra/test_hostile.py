@@ -147,15 +147,15 @@ def test_pipes_and_devices_are_not_opened(tmp_path):
     (tmp_path / "splib07a_x.txt").write_text(" splib07a Record=1: Brick ASDFRa AREF\n0.5\n0.5\n")
     (tmp_path / "null.csv").symlink_to(os.devnull)
     for name in ("pipe.csv", "null.csv", "pipe.sli"):
-        with pytest.raises(InputError, match="is no regular file"):
+        with pytest.raises(InputError, match="is not a regular file"):
             read_all(tmp_path / name)
-    with pytest.raises(InputError, match="is no regular file"):
+    with pytest.raises(InputError, match="is not a regular file"):
         read_nk(tmp_path / "pipe.csv")
     found = library.whole([tmp_path])
     assert found.names == ("red",)
     # One line each: both pipes, the device, and the two spectra that lean on pipes.
     assert len(found.problems) == 5
-    assert all("no regular file" in problem for problem in found.problems)
+    assert all("not a regular file" in problem for problem in found.problems)
 
 
 def test_names_that_nothing_can_show_are_shown_otherwise(tmp_path, capsysbinary):

@@ -149,7 +149,7 @@ def test_noise_under_0_is_clipped_and_told(write):
     assert read.values.min() == 0.0
     assert any("under 0, at least -0.0006, were read as 0" in note for note in read.notes)
     lost = np.where(NM < 450, -0.02, RED)
-    with pytest.raises(InputError, match="-0.02 is under 0"):
+    with pytest.raises(InputError, match="-0.02 is below 0"):
         read_reflectances(write("a.csv", text("nm,black", rows(lost))))
 
 

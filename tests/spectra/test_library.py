@@ -125,7 +125,7 @@ def test_a_damaged_cache_is_made_anew(folder, tmp_path, monkeypatch, damage):
 
 def test_folders_that_are_not_there_are_told(tmp_path, folder):
     found = library.whole([tmp_path / "gone", folder])
-    assert len(found) == 5 and "gone: is no folder" in found.problems[0]
+    assert len(found) == 5 and "gone: is not a folder" in found.problems[0]
 
 
 def test_spectra_of_a_file_with_the_same_fault_share_a_line(tmp_path):
@@ -139,7 +139,7 @@ def test_spectra_of_a_file_with_the_same_fault_share_a_line(tmp_path):
     found = library.whole([tmp_path])
     assert found.names == ("good",) and found.unused == 31
     assert len(found.problems) == 2
-    assert ":14, column 'leaf 0' and 29 more: -0.1 is under 0" in found.problems[0]
+    assert ":14, column 'leaf 0' and 29 more: -0.1 is below 0" in found.problems[0]
     assert "'lost': nan is not a number" in found.problems[1]
 
 

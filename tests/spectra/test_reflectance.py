@@ -140,7 +140,7 @@ BROKEN = {
         None,
         ["micrometres"],
     ),
-    "under 0": (replaced(500, "500,-0.01"), None, [":14", "'brick'", "under 0"]),
+    "below 0": (replaced(500, "500,-0.01"), None, [":14", "'brick'", "below 0"]),
     "over 1.05": (replaced(500, "500,1.3"), "fraction", [":14", "'brick'", "1.05"]),
     "over 105 percent": (replaced(500, "500,140"), None, [":14", "'brick'", "1.05"]),
     "between fraction and percent": (

@@ -59,10 +59,10 @@ def test_a_dielectric_has_no_k(tmp_path):
         ("wavelength,n,k\n500,1.5,0\n", "no table"),
         (lines([450.0, 700.0], [1, 1], [1, 1]), "does not cover 400-700 nm"),
         (lines([400.0, 700.0], [1, 1], [1, 1]), "a gap of 300 nm"),
-        (lines([400.0, 500, 500, 600, 700], [1] * 5, [1] * 5), "500 nm stands there twice"),
+        (lines([400.0, 500, 500, 600, 700], [1] * 5, [1] * 5), "500 nm occurs twice"),
         (lines([400.0, 500, 600, 700], [1, 0, 1, 1], [1] * 4), "n is 0;"),
         (lines([400.0, 500, 600, 700], [1] * 4, [1, -2, 1, 1]), "k is -2;"),
-        (lines([400.0, 500, 600, 700], [1] * 4, [1, np.nan, 1, 1]), "numbers that are none"),
+        (lines([400.0, 500, 600, 700], [1] * 4, [1, np.nan, 1, 1]), "values that are not finite"),
         ("DATA:\n  - type: formula 5\n    coefficients: 1.5 0.003 2\n", "as a formula"),
     ],
 )

@@ -109,7 +109,7 @@ def _keyword(path: Path, place: int, line: str, header: _Header) -> None:
     if key == "SPECTRAL_NORM":
         norm = number(value)
         if norm is None or not np.isfinite(norm) or norm <= 0:
-            raise InputError(f"{path}:{place}", f"SPECTRAL_NORM is '{value[:40]}'", "mend it")
+            raise InputError(f"{path}:{place}", f"SPECTRAL_NORM is '{value[:40]}'", "correct it")
         header.norm = norm
     elif key in _KINDS:
         if _EMITS.search(value):
@@ -153,7 +153,7 @@ def _sample(path: Path, place: int, line: str, header: _Header) -> list[str]:
     raise InputError(
         f"{path}:{place}",
         f"{len(cells)} values for {count} fields",
-        "mend the row or the DATA_FORMAT",
+        "correct the row or the DATA_FORMAT",
     )
 
 
@@ -186,10 +186,10 @@ def _curve(
             raise InputError(
                 f"{path}:{place}",
                 f"could not convert '{cells[column][:40]}' to a number",
-                "mend the row",
+                "correct the row",
             )
     if None in x:
-        raise InputError(f"{path}:{place}", "a wavelength is no number", "mend the row")
+        raise InputError(f"{path}:{place}", "a wavelength is not a number", "correct the row")
     return np.array(x, dtype=float), np.array(y, dtype=float)
 
 

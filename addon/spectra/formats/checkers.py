@@ -26,6 +26,6 @@ def read(path: str) -> Table:
     name = path.removeprefix(PREFIX).strip()
     if name not in CHECKERS:
         some = ", ".join(f"'{PREFIX}{checker}'" for checker in CHECKERS)
-        raise InputError(path, "is no checker of colour-science", f"there are {some}")
+        raise InputError(path, "is not a checker of colour-science", f"there are {some}")
     wavelengths, values, patches = dataset(datasets.CHECKERS, name)
     return table(Path(path), list(patches), wavelengths, values, unit="fraction")

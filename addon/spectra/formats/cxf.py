@@ -103,7 +103,7 @@ def _named(place: str, spectrum: ET.Element) -> tuple[NDArray[np.float64], NDArr
     named = [number((one.get("Name") or "").strip().removesuffix("nm").strip()) for one in cells]
     numbers = values(place, " ".join((one.text or "").strip() for one in cells))
     if len(numbers) != len(cells):
-        raise InputError(place, "has values without a number", "export it anew")
+        raise InputError(place, "has values without a number", "export it again")
     if None not in named and named:
         return np.array(named, dtype=float), numbers
 
@@ -113,7 +113,7 @@ def _named(place: str, spectrum: ET.Element) -> tuple[NDArray[np.float64], NDArr
 
     start, step = told("StartWL"), told("Increment", "Step", "Interval") or STEP
     if start is None:
-        raise InputError(place, "tells no first wavelength", "add StartWL")
+        raise InputError(place, "has no first wavelength", "add StartWL")
     return start + step * np.arange(len(numbers)), numbers
 
 
@@ -123,10 +123,10 @@ def _curve(
     """Return wavelengths [nm] and values of a spectrum, (k,) each."""
     told = spectrum.get("StartWL") or known.get("StartWL")
     if told is None:
-        raise InputError(place, "tells no first wavelength", "add StartWL")
+        raise InputError(place, "has no first wavelength", "add StartWL")
     start = number(told)
     step = number(spectrum.get("Increment") or known.get("Increment") or f"{STEP}")
     numbers = values(place, spectrum.text or "")
     if start is None or step is None or not step > 0:
-        raise InputError(place, f"starts at {told[:20]} nm, in steps of {step} nm", "mend them")
+        raise InputError(place, f"starts at {told[:20]} nm, in steps of {step} nm", "correct them")
     return start + step * np.arange(len(numbers)), numbers

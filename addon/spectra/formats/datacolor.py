@@ -50,16 +50,16 @@ def read(path: Path) -> Table:
             )
             values = [number(cell.strip()) for cell in re.split(r"[,;\s]+", said) if cell.strip()]
             if None in values or not values:
-                raise InputError(f"{path}:{line}", f"{key} holds no numbers", "export it anew")
+                raise InputError(f"{path}:{line}", f"{key} holds no numbers", "export it again")
             if low is None or not step or step < 0:
                 raise InputError(
-                    f"{path}:{first}", f"[{title}] tells no wavelengths", "export it anew"
+                    f"{path}:{first}", f"[{title}] has no wavelengths", "export it again"
                 )
             if count is not None and count != len(values):
                 raise InputError(
                     f"{path}:{line}",
-                    f"{len(values)} values where {count:g} are told",
-                    "export it anew",
+                    f"{len(values)} values where {count:g} are announced",
+                    "export it again",
                 )
             curves.append((low + step * np.arange(len(values)), np.array(values, dtype=float)))
             named = fields.get(f"{prefix}NAME", (0, ""))[1] or title
@@ -107,5 +107,5 @@ def _number(path: Path, fields: dict[str, tuple[int, str]], key: str) -> float |
         return None
     found = number(said.strip(" ,;\t"))
     if found is None or not np.isfinite(found):
-        raise InputError(f"{path}:{line}", f"{key} is '{said[:40]}'", "export it anew")
+        raise InputError(f"{path}:{line}", f"{key} is '{said[:40]}'", "export it again")
     return found

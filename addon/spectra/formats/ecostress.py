@@ -47,7 +47,7 @@ def read(path: Path) -> Table:
         raise NoSpectra(path, f"holds '{measured}'", "give reflectance or transmittance")
     data = numbers(path, [line.replace(",", " ") for line in lines[first:]], first + 1, 2)
     if not len(data):
-        raise InputError(path, "holds no row of numbers", "take the file anew")
+        raise InputError(path, "holds no row of numbers", "get the file again")
     unit = re.search(r"\(([^)]*)\)", fields.get("x units", ""))
     sample = fields.get("sample no.", "")
     classes = [fields.get(key, "") for key in ("type", "class", "subclass")]

@@ -86,7 +86,7 @@ def _fields(header: Path) -> dict[str, str]:
         raise InputError(header, "is missing: the header of a spectral library", "put it there")
     found = content(header).decode("utf-8", errors="replace")
     if not found.lstrip("\ufeff").startswith("ENVI"):
-        raise InputError(header, "is no ENVI header", "its first line is ENVI")
+        raise InputError(header, "is not an ENVI header", "its first line is ENVI")
     fields: dict[str, str] = {}
     at = 0
     while at < len(found):  # a brace that is never closed is looked for once
@@ -97,7 +97,7 @@ def _fields(header: Path) -> dict[str, str]:
         if value.startswith("{") and "{" not in key and "}" not in key:
             close = found.find("}", at)
             if close < 0:
-                raise InputError(header, f"{key.strip()[:40]}: a brace is not closed", "mend it")
+                raise InputError(header, f"{key.strip()[:40]}: a brace is not closed", "correct it")
             value = found[found.index("{", at) + 1 : close].strip()
             end = max(found.find("\n", close), close)
         if equals and key.strip():
@@ -113,7 +113,7 @@ def _whole(header: Path, fields: dict[str, str], key: str) -> int:
         value = 0
     if not 0 < value <= _LARGEST:
         said = fields.get(key, "nothing")[:40]
-        raise InputError(header, f"says {key} = {said}", "mend the header")
+        raise InputError(header, f"says {key} = {said}", "correct the header")
     return value
 
 
@@ -122,7 +122,7 @@ def _numbers(header: Path, fields: dict[str, str], key: str) -> list[float]:
     found = [number(cell) for cell in cells]
     if None in found:
         wrong = cells[found.index(None)][:40]
-        raise InputError(header, f"{key}: '{wrong}' is no number", "mend the header")
+        raise InputError(header, f"{key}: '{wrong}' is not a number", "correct the header")
     return [value for value in found if value is not None]
 
 
@@ -134,7 +134,9 @@ def _factor(header: Path, fields: dict[str, str]) -> float | None:
         said = title[1] if title else ""
     factor = number(said) if said else None
     if said and (factor is None or not 0 < factor < np.inf):
-        raise InputError(header, f"says reflectance scale factor = {said[:40]}", "mend the header")
+        raise InputError(
+            header, f"says reflectance scale factor = {said[:40]}", "correct the header"
+        )
     return factor
 
 
@@ -145,12 +147,12 @@ def _values(
     kind, order = fields.get("data type", ""), fields.get("byte order", "0")
     if kind not in map(str, _TYPES) or order not in ("0", "1"):
         said = f"data type = {kind[:20]}, byte order = {order[:20]}"
-        raise InputError(header, f"says {said}", "mend it")
+        raise InputError(header, f"says {said}", "correct it")
     dtype = np.dtype("<>"[int(order)] + _TYPES[int(kind)])
     data = path if path.suffix.lower() != ".hdr" else _data_of(path)
     offset = number(fields.get("header offset") or "0")
     if offset is None or not 0 <= offset < 1 << 40:
-        raise InputError(header, "says an odd header offset", "mend the header")
+        raise InputError(header, "says an odd header offset", "correct the header")
     offset = int(offset)
     needed = channels * count * dtype.itemsize
     if channels * count > _LARGEST:
@@ -158,7 +160,7 @@ def _values(
     try:
         size = regular(data)
         if size < offset + needed:
-            raise InputError(data, f"has {size} bytes of {offset + needed}", "take it anew")
+            raise InputError(data, f"has {size} bytes of {offset + needed}", "get the file again")
         raw = np.fromfile(data, dtype, channels * count, offset=offset)
     except OSError as error:
         raise InputError(data, f"cannot be read ({error.strerror})", "check the path") from error

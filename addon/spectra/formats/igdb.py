@@ -51,7 +51,7 @@ def read(path: Path) -> Table:
             continue
         if None in values or len(values) != 4:
             raise InputError(
-                f"{path}:{place}", f"'{line.strip()[:40]}' is not four numbers", "mend the row"
+                f"{path}:{place}", f"'{line.strip()[:40]}' is not four numbers", "correct the row"
             )
         rows.append(values)
         places.append(place)

@@ -52,7 +52,7 @@ def read(path: Path) -> Table:
         # Python's own integers have any number of digits: they would overflow, or take long.
         found = json.loads(content(path).decode("utf-8-sig"), parse_int=_plain, parse_float=_plain)
     except (ValueError, RecursionError) as error:
-        raise InputError(path, f"is broken JSON ({error})", "take it anew") from None
+        raise InputError(path, f"is broken JSON ({error})", "get the file again") from None
     names, curves, classes, told = [], [], [], []
     for product in _products(found):
         rows = _rows(product)
@@ -149,6 +149,8 @@ def _pair(
         return None
     values = [_number(value) for value in (_wavelength(row), *told)]
     if None in values:
-        raise InputError(f"{path}, spectral_data", f"{quantity} holds no numbers", "take it anew")
+        raise InputError(
+            f"{path}, spectral_data", f"{quantity} holds no numbers", "get the file again"
+        )
     at, *shares = (float(value) for value in values if value is not None)
     return at, sum(shares)

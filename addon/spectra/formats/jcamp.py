@@ -119,20 +119,20 @@ def _spectrum(
             raise InputError(
                 f"{path}:{at}",
                 f"{len(ordinates)} values where NPOINTS is {count:g}",
-                "export it anew",
+                "export it again",
             )
         first, last = (_given(path, fields, key, float("nan")) for key in ("FIRSTX", "LASTX"))
         if not np.isfinite(last):
             last = first + _given(path, fields, "DELTAX", float("nan")) * (len(ordinates) - 1)
         if not (np.isfinite(first) and np.isfinite(last)):
-            raise InputError(f"{path}:{at}", "FIRSTX or LASTX is missing", "export it anew")
+            raise InputError(f"{path}:{at}", "FIRSTX or LASTX is missing", "export it again")
         x = np.linspace(first, last, len(ordinates))
         y = np.array(ordinates) * y_factor
     else:
         pairs = _pairs(path, at, rows)
         x, y = pairs[:, 0] * x_factor, pairs[:, 1] * y_factor
     if x.size < 2:
-        raise InputError(f"{path}:{at}", "holds no spectrum", "export it anew")
+        raise InputError(f"{path}:{at}", "holds no spectrum", "export it again")
     return to_nm(path, x, fields.get("XUNITS", "")), y
 
 
@@ -140,7 +140,7 @@ def _given(path: Path, fields: dict[str, str], key: str, otherwise: float) -> fl
     said = fields.get(key, "").split(",")[0].strip()
     found = number(said) if said else otherwise
     if found is None:
-        raise InputError(path, f"##{key}= {said[:40]} is no number", "export it anew")
+        raise InputError(path, f"##{key}= {said[:40]} is not a number", "export it again")
     return found
 
 
@@ -150,7 +150,7 @@ def _pairs(path: Path, at: int, rows: list[str]) -> NDArray[np.float64]:
         cells = [number(cell) for cell in re.split(r"[\s,;]+", row.strip()) if cell]
         if None in cells or len(cells) % 2:
             raise InputError(
-                f"{path}:{place}", f"'{row.strip()[:40]}' is no pair", "export it anew"
+                f"{path}:{place}", f"'{row.strip()[:40]}' is not a pair", "export it again"
             )
         found += cells
     return np.array(found, dtype=float).reshape(-1, 2)
@@ -175,7 +175,7 @@ def _unpacked(path: Path, at: int, rows: list[str]) -> list[float]:
                 more = int(_digits(_REPEATED[head], token[1:])) - 1
                 if not found or not 0 <= more <= MOST:
                     raise InputError(
-                        f"{path}:{place}", f"'{token[:20]}' repeats nothing", "mend it"
+                        f"{path}:{place}", f"'{token[:20]}' repeats nothing", "correct it"
                     )
                 last, rise = found[-1], step or 0.0
                 found += [last + rise * k for k in range(1, more + 1)]
@@ -189,7 +189,7 @@ def _unpacked(path: Path, at: int, rows: list[str]) -> list[float]:
                 raise InputError(
                     f"{path}:{place}",
                     f"begins with {found[start]:g}, the last line ends with {found[start - 1]:g}",
-                    "export it anew",
+                    "export it again",
                 )
             del found[start]
         checked = step is not None
@@ -203,7 +203,7 @@ def _tokens(path: Path, place: int, row: str) -> list[str]:
         match = _ORDINATE.match(row, at)
         if match is None or len(match[0]) > 64:
             raise InputError(
-                f"{path}:{place}", f"'{row[at : at + 20]}' is no number", "export it anew"
+                f"{path}:{place}", f"'{row[at : at + 20]}' is not a number", "export it again"
             )
         tokens.append(match[0])
         at = _BETWEEN.match(row, match.end()).end()  # type: ignore[union-attr]

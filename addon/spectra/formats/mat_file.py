@@ -64,7 +64,7 @@ def _bodies(data: bytes, order: str) -> Iterator[bytes]:
             packed = zlib.decompressobj()
             unpacked = packed.decompress(body, left)
             if packed.unconsumed_tail:
-                raise BrokenFile("it unpacks to far more than it holds")
+                raise BrokenFile("it unpacks to far more than its size")
             left -= len(unpacked) - (len(unpacked) > 0)
             kind, body = _next(_elements(unpacked, order))
         if kind == _MATRIX:

@@ -43,7 +43,7 @@ def read(path: Path) -> Table:
     except NotImplementedError:
         raise InputError(path, "is of MATLAB 7.3 (HDF5)", "save it with -v7") from None
     except BrokenFile as error:
-        raise InputError(path, f"is a broken MATLAB file ({error})", "take it anew") from None
+        raise InputError(path, f"is a broken MATLAB file ({error})", "get the file again") from None
     names: list[str] = []
     curves: list[tuple[NDArray, NDArray]] = []
     notes: tuple[str, ...] = ()
@@ -87,7 +87,7 @@ def _matrix(path: Path, key: str, value: Any, rows: float | None) -> NDArray[np.
     """Return a variable as a matrix of numbers with so many rows."""
     matrix = value if isinstance(value, np.ndarray) else np.empty(0)
     if matrix.ndim != 2 or not matrix.size or matrix.dtype.kind not in "fiu":
-        raise InputError(f"{path}, {key}", "is no matrix of numbers", "give one")
+        raise InputError(f"{path}, {key}", "is not a matrix of numbers", "give one")
     if rows is not None and matrix.shape[0] != rows:
         raise InputError(
             f"{path}, {key}",

@@ -30,7 +30,9 @@ def numbers(path: Path, lines: Sequence[str], first: int, columns: int) -> NDArr
     for place, line in enumerate(lines, first):
         row = [number(cell) for cell in line.split()]
         if row and (len(row) != columns or None in row):
-            raise InputError(f"{path}:{place}", f"'{line.strip()[:40]}' is no measurement", "mend")
+            raise InputError(
+                f"{path}:{place}", f"'{line.strip()[:40]}' is not a measurement", "mend"
+            )
         if row:
             rows.append(row)
     return np.array(rows, dtype=float).reshape(-1, columns)
@@ -81,14 +83,14 @@ def table(
     if bad.size or not wavelengths.size:
         what = f"{wavelengths[bad[0]]:g}" if bad.size else "nothing"
         where = f"{path}:{lines[bad[0]]}" if bad.size and lines is not None else path
-        raise InputError(where, f"{what} is not a wavelength", "mend or remove it")
+        raise InputError(where, f"{what} is not a wavelength", "correct or remove it")
     order = np.argsort(wavelengths, kind="stable")
     wavelengths, values = wavelengths[order], values[order]
     twice = np.diff(wavelengths) == 0
     visible = (wavelengths[1:] >= LIGHT[0]) & (wavelengths[1:] <= LIGHT[1])
     if (twice & visible).any():
         nm = wavelengths[1:][twice & visible][0]
-        raise InputError(path, f"wavelength {nm:g} nm stands there twice", "remove one of the two")
+        raise InputError(path, f"wavelength {nm:g} nm occurs twice", "remove one of the two")
     once = np.append(True, ~twice)
     each = (quantity,) * len(names) if isinstance(quantity, str) else quantity
     return Table(

@@ -47,7 +47,7 @@ def read(path: Path) -> Table:
     title, *lines = lines_of(path)
     match = _TITLE.match(title)
     if match is None:  # UTF-16, or cut
-        raise InputError(path, "has no title", "take it anew")
+        raise InputError(path, "has no title", "get the file again")
     name = match["name"].strip()
     if _NO_SAMPLE.match(name) or _NO_SAMPLE.match(path.name):
         raise NoSpectra(path, "holds no reflectances", "give the file of a sample")
@@ -112,7 +112,7 @@ def _wavelengths(path: Path, name: str, count: int) -> NDArray[np.float64]:
         return named[0]
     raise InputError(
         path,
-        f"has {count} channels, and no file of as many wavelengths lies beside or above it",
+        f"has {count} channels, and no file with that many wavelengths is next to it or above it",
         "keep it in the library's own folder",
     )
 

@@ -48,7 +48,9 @@ def read(path: Path) -> Table:
                 number(text.strip()) for text in (one.get("wavelength", ""), one.text or "")
             )
             if at is None or value is None:
-                raise InputError(path, f"'{_text(one)[:40]}' is no measurement", "export it anew")
+                raise InputError(
+                    path, f"'{_text(one)[:40]}' is not a measurement", "export it again"
+                )
             pairs.append((at, value))
         if not pairs:
             continue

@@ -25,7 +25,7 @@ def root_of(path: Path) -> ET.Element:
     try:
         return ET.XML(content(path), ET.XMLParser(target=_Plain()))
     except (ET.ParseError, ValueError, LookupError, RecursionError) as error:
-        raise InputError(path, f"is broken XML ({error})", "export it anew") from None
+        raise InputError(path, f"is broken XML ({error})", "export it again") from None
 
 
 def tag(element: ET.Element) -> str:
@@ -39,6 +39,6 @@ def values(place: str, words: str) -> NDArray[np.float64]:
     for word in re.split(r"[\s;]+", words.strip()) if words.strip() else []:
         one = number(word)
         if one is None:
-            raise InputError(place, f"could not convert '{word[:40]}' to a number", "mend it")
+            raise InputError(place, f"could not convert '{word[:40]}' to a number", "correct it")
         found.append(one)
     return np.array(found, dtype=float)
