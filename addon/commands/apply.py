@@ -159,7 +159,7 @@ def _read(options: argparse.Namespace) -> dict[str, Assignment | None]:
         raise InputError("--assign", "assigns no material", "give MATERIAL=FILE.csv or --estimate")
     for name in named:
         if named.count(name) > 1:
-            raise InputError(f"--assign {name}", "is repeated", "give each material once")
+            raise InputError(f"--assign {name}", "is given twice", "give each material once")
     given: dict[str, Assignment | None] = {}
     if options.assignments:
         given |= read_table(Path(options.assignments))
