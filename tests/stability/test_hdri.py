@@ -177,8 +177,8 @@ def test_elevation_wrong_by_five_degrees(keep):
         paper = errors(light).mean()
         assert off[1] <= max(off[0], off[2]) and max(off) < paper
         keep(
-            f"sun at {elevation:g}°, told 5° lower or higher",
-            f"ΔE {off[0]:.2f} or {off[2]:.2f}; told rightly {off[1]:.2f}, `rayleigh` {paper:.2f}",
+            f"sun at {elevation:g}°, set 5° lower or higher",
+            f"ΔE {off[0]:.2f} or {off[2]:.2f}; set correctly {off[1]:.2f}, `rayleigh` {paper:.2f}",
             "weighs elevations within some 2° and the sky's own colour",
         )
 

@@ -77,8 +77,8 @@ def test_a_twilight_whose_sun_nobody_tells(keep):
         "If the sun is low, set its elevation" in note for note in analyse(panorama, 1).notes
     )
     keep(
-        "sun at -5°, not in the HDRI and not told",
-        f"ΔE {off:.1f}; told {errors(light, atmosphere(light, -5.0)).mean():.2f}",
+        "sun at -5°, not in the HDRI and not set",
+        f"ΔE {off:.1f}; set {errors(light, atmosphere(light, -5.0)).mean():.2f}",
         "says that daytime is assumed, and to set the elevation of a low sun",
     )
 
