@@ -128,7 +128,7 @@ def test_the_simplest_basis(checker, light):
     ("lights", "elevation", "reason"),
     [
         (np.zeros(3), None, "dark"),
-        (BLUE, -7.0, "under -6"),
+        (BLUE, -7.0, "below -6"),
         ([0.1, 1.0, 0.1], None, "not a color of skylight"),
         ([1.0, 0.1, 1.0], 20.0, "not a color of skylight"),
     ],
@@ -172,7 +172,7 @@ def test_what_the_sky_was_modelled_with(light):
 
 def test_visibility_is_worth_it_where_its_lack_is_seen():
     """2 % less light on white is CIEDE2000 0.45: 116/3 0.02 of L*, over S_L = 1.75."""
-    assert visibility_line(0.02, 0.5).endswith("not worth it")
+    assert visibility_line(0.02, 0.5).endswith("sky shadows are not noticeable")
     assert visibility_line(0.025, 0.5).endswith("sky shadows are noticeable")
 
 
