@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from spectral_skylight.addon.sky.exr_file import read_exr
+from spectral_skylight.tests import exr
 from spectral_skylight.tests.window import tutorial
 from spectral_skylight.tests.window.window import Debian, Window
 
@@ -106,14 +106,9 @@ def test_a_finished_file_renders_without_the_add_on(bare, files):
         *("--render-output", f"{bare.inside}/there_", "--render-frame", "1"),
     )
     (there,) = bare.folder.glob("there_*.exr")
-    here, there = (read(path)[8:16, 8:16] for path in (files / "here.exr", there))
+    here, there = (exr.picture(path)[8:16, 8:16, :3] for path in (files / "here.exr", there))
     assert here.min() > 0.003  # the cube, and no error's magenta or black
     assert there == pytest.approx(here, rel=0.02, abs=0.002)
-
-
-def read(path):
-    """The RGB of an EXR, (h, w, 3)."""
-    return read_exr(path)[0][..., :3]
 
 
 def test_esc_and_undo(equipped):
