@@ -22,6 +22,10 @@ SETTINGS = Settings(basis="simplest", tolerance=0.5, gloss=True)
 NK = np.full(81, 0.3), np.linspace(2.0, 5.0, 81)
 
 
+LOOKED_AT = ("cycles", "cycles_visibility")
+"""What Blender 4.5 makes when somebody looks for it."""
+
+
 def plain(value):
     """A custom property's value; as text it would bear its address in memory."""
     for name in ("to_dict", "to_list"):
@@ -37,7 +41,7 @@ def everything():
         if not isinstance(collection, bpy.types.bpy_prop_collection):
             continue
         for block in collection:
-            own = {key: plain(value) for key, value in block.items()}
+            own = {key: plain(value) for key, value in block.items() if key not in LOOKED_AT}
             key = type(block).__name__, block.name_full
             found[key] = block.users, own
             if isinstance(block, bpy.types.Material | bpy.types.World | bpy.types.NodeTree):

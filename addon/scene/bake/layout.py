@@ -136,7 +136,7 @@ def lay_out(plans: Sequence[Plan], around: Geometry) -> list[Target]:
         points = Points(plan.obj, fine, around.origin, around.size)
         split = plan.split & (plan.levels > 0)
         storage.write(plan.obj, plan.bake, fine, plan.levels, split, bool(backs.any()))
-        targets.append(Target(plan.obj, plan.bake, fine, points, backs))
+        targets.append(Target(plan.obj.name, fine, points, backs))
     return targets
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...transport import directions
 from ...transport.hits import Hits, Space, gather, joined
+from . import storage
 from .storage import Fine
 
 UNTOLD = 0.5
@@ -58,16 +59,31 @@ class Points:
 @dataclass
 class Target:
     """An object that is baked: its ``fine`` mesh as it is now, and which of its points, by side,
-    have which numbers among all receivers."""
+    have which numbers among all receivers.
 
-    obj: bpy.types.Object
-    bake: bpy.types.Object
+    It is kept for another light, so it knows the object by ``name``: an undo makes all objects new,
+    and a reference to one that was is a crash.
+    """
+
+    name: str
     fine: Fine
     points: Points
     backs: NDArray[np.bool_]
     """(p,), whether light is wanted behind."""
     numbers: dict[float, tuple[NDArray, NDArray]] = field(default_factory=dict)
     """By side, points and their numbers."""
+
+    @property
+    def obj(self) -> bpy.types.Object:
+        """The object, as it is now."""
+        return bpy.data.objects[self.name, None]
+
+    @property
+    def bake(self) -> bpy.types.Object:
+        """What holds its light."""
+        found = storage.bake_of(self.obj)
+        assert found is not None  # else it is no target
+        return found
 
 
 class Receivers:

@@ -122,7 +122,7 @@ def relight(objects: Sequence[bpy.types.Object], light: Light) -> list[str]:
     """Light baked objects anew; return lines to say."""
     lines = []
     same = _last and _last[0].key == _key() and _last[0].receivers
-    if not same or {t.obj.name for t in same.targets} != {obj.name for obj in objects}:
+    if not same or {target.name for target in same.targets} != {obj.name for obj in objects}:
         _last.clear()
         around = geometry.gather(bpy.context.evaluated_depsgraph_get())
         surfaces = around.surfaces
@@ -195,7 +195,7 @@ def _kept_targets(objects: Sequence[bpy.types.Object], around: geometry.Geometry
             continue  # no longer the mesh that was baked
         points = Points(obj, fine, around.origin, around.size)
         backs = np.full(len(fine.places), baked_light.BEHIND in bake.data.attributes)
-        targets.append(Target(obj, bake, fine, points, backs))
+        targets.append(Target(obj.name, fine, points, backs))
     return targets
 
 
@@ -227,5 +227,12 @@ def _key() -> int:
         if instance.object.type == "MESH" and mesh is not None:
             place = tuple(round(value, 6) for row in instance.matrix_world for value in row)
             slots = [s.material.name_full for s in instance.object.material_slots if s.material]
-            parts.append((instance.object.name, place, len(mesh.vertices), *slots))
+            parts.append((instance.object.name, place, _shape(mesh), *slots))
     return hash(tuple(sorted(parts)))
+
+
+def _shape(mesh: bpy.types.Mesh) -> int:
+    """What a mesh's vertices are, in one number."""
+    places = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", places)
+    return hash(places.tobytes())
