@@ -117,7 +117,8 @@ def _real(
         elif obj.is_editable and obj.library is None:
             real += instance_proxies.spread(obj, is_managed)
         else:
-            lines.append(f'object "{obj.name}" is linked from another file: its instances are open')
+            reason = "is linked from another file: the open sky lights its instances"
+            lines.append(f'object "{obj.name}" {reason}')
     return real, lines
 
 
@@ -180,7 +181,7 @@ def relight(light: light_of_scene.Light) -> list[str]:
     there = [obj for obj in baked() if storage.is_lit(obj) and not _hindrance(obj)]
     lines = []
     if old := [obj for obj in baked() if not storage.is_lit(obj)]:
-        lines.append(f"{len(old)} bake(s) by an earlier version hold no light: bake again")
+        lines.append(f"{len(old)} bake(s) of an earlier version hold no bounced light: bake again")
     return lines + session.relight(there, light) if there else lines
 
 

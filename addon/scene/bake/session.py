@@ -139,7 +139,7 @@ def relight(objects: Sequence[bpy.types.Object], light: Light) -> list[str]:
         for _ in receivers.cast(space, directions.pattern(total)):
             pass
         _last.append(_Session(_key(), around.materials, radiosity, receivers))
-        lines.append("the light was baked elsewhere or before: its rays were cast anew")
+        lines.append("the bake's rays are not in memory: they were cast again")
     session = _last[0]
     _write(session, light, _solve(session, light))
     return lines

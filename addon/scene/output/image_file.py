@@ -59,7 +59,7 @@ def without_times(content: bytes) -> bytes:
 def _attributes(content: bytes) -> tuple[list[tuple[bytes, bytes, int, int]], int]:
     """Return name, value, start and end of each entry of an EXR's header, and where that ends."""
     if content[:5] != b"v/1\x01\x02" or content[5] & ~4:  # bit 10 allows long names
-        raise ValueError("it is no OpenEXR file of scanlines")
+        raise ValueError("it is not an OpenEXR file of scanlines")
     found, place = [], 8
     while content[place]:
         start = place
