@@ -86,7 +86,7 @@ def test_others_are_named(picture, tmp_path):
     with pytest.raises(ValueError, match="ZIP"):
         bare = written(tmp_path / "bare.exr", grey, compression=OpenEXR.NO_COMPRESSION)
         image_file.check(bare, width, height)
-    with pytest.raises(ValueError, match="no OpenEXR"):
+    with pytest.raises(ValueError, match="is not an OpenEXR file"):
         image_file.check(b"", width, height)
 
 
