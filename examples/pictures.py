@@ -83,5 +83,5 @@ def save_comparison(
         bar = axes[1, -1].inset_axes([0.02, 0.1, 0.05, 0.8])
         figure.colorbar(shown, cax=bar, extend="max", label="CIEDE2000")
     figure.supxlabel("\n".join(captions), fontsize=9)
-    figure.savefig(path)
+    figure.savefig(path, bbox_inches="tight", pad_inches=0.1)  # or long captions cut the titles
     pyplot.close(figure)
