@@ -21,13 +21,11 @@ def add(commands: Commands) -> None:
     parser = commands.add_parser("apply", help="make materials of a .blend spectral")
     parser.add_argument("scene", metavar="SCENE.blend")
     parser.add_argument("--sky", metavar="HDRI", help="default: the World's own")
-    parser.add_argument(
+    _repeated(
+        parser,
         "--assign",
-        action="append",
-        default=[],
-        type=_assignment,
-        metavar="MATERIAL=FILE.csv[:COLUMN]",
-        help="may be repeated; a base color texture varies the reflectance",
+        "MATERIAL=FILE.csv[:COLUMN]",
+        "may be repeated; a base color texture varies the reflectance",
     )
     parser.add_argument(
         "--estimate",
@@ -36,29 +34,23 @@ def add(commands: Commands) -> None:
         metavar="MATERIAL",
         help="estimate a reflectance from the material's base color or texture",
     )
-    parser.add_argument(
+    _repeated(
+        parser,
         "--metal",
-        action="append",
-        default=[],
-        type=_assignment,
-        metavar="MATERIAL=NK.csv",
-        help="a metal by its n and k, applied where the material is Metallic",
+        "MATERIAL=NK.csv",
+        "a metal by its n and k, applied where the material is Metallic",
     )
-    parser.add_argument(
+    _repeated(
+        parser,
         "--glass",
-        action="append",
-        default=[],
-        type=_assignment,
-        metavar="MATERIAL=FILE.csv[:COLUMN]",
-        help="glass by its transmittance at normal incidence; each face is a pane",
+        "MATERIAL=FILE.csv[:COLUMN]",
+        "glass by its transmittance at normal incidence; each face is a pane",
     )
-    parser.add_argument(
+    _repeated(
+        parser,
         "--glass-block",
-        action="append",
-        default=[],
-        type=_assignment,
-        metavar="MATERIAL=FILE.csv[:COLUMN]",
-        help="as --glass, for a mesh with faces on both sides of the pane",
+        "MATERIAL=FILE.csv[:COLUMN]",
+        "as --glass, for a mesh with faces on both sides of the pane",
     )
     parser.add_argument(
         "--assignments",
@@ -70,26 +62,22 @@ def add(commands: Commands) -> None:
         metavar="FILE.csv",
         help="also write the assignments of all spectral materials as such a table",
     )
-    parser.add_argument(
+    _repeated(
+        parser,
         "--behind",
-        action="append",
-        default=[],
-        type=_assignment,
-        metavar="MATERIAL=FILE.csv[:COLUMN]",
-        help="all light on the material passes through glass of this transmittance",
+        "MATERIAL=FILE.csv[:COLUMN]",
+        "all light on the material passes through glass of this transmittance",
     )
     add_matrix_options(parser)
     parser.add_argument("--space", metavar="NAME", help="must match the working space of the file")
     parser.add_argument(
         "--no-sun", action="store_true", help="exclude the HDRI's sun from spectral materials"
     )
-    parser.add_argument(
+    _repeated(
+        parser,
         "--lamp",
-        action="append",
-        default=[],
-        type=_assignment,
-        metavar="LAMP=SPECTRUM",
-        help="a lamp's FILE.csv[:COLUMN], illuminant (A, FL11, LED-B3 ...) or temperature (2700K)",
+        "LAMP=SPECTRUM",
+        "a lamp's FILE.csv[:COLUMN], illuminant (A, FL11, LED-B3 ...) or temperature (2700K)",
     )
     parser.add_argument(
         "--ground",
@@ -115,6 +103,13 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--out", required=True, metavar="OUT.blend")
     parser.set_defaults(run=run)
+
+
+def _repeated(parser: argparse.ArgumentParser, option: str, metavar: str, text: str) -> None:
+    """Add an option ``NAME=VALUE`` that may be given again and again."""
+    parser.add_argument(
+        option, action="append", default=[], type=_assignment, metavar=metavar, help=text
+    )
 
 
 def _assignment(text: str) -> tuple[str, str]:

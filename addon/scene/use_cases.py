@@ -312,8 +312,8 @@ def bake(
     light = analyzed(world, settings)
     assert world is not None  # else it had raised
     found = scene_lighting.find(world, light, settings.transfer(light), settings, {})
-    lines = yield from scene_bake.bake(objects, light=SceneLight(world, found, scene), **options)
-    return lines
+    shining = SceneLight(world, found, scene)
+    return (yield from scene_bake.bake(objects, light=shining, **options))
 
 
 def remove(materials: Iterable[bpy.types.Material]) -> Outcome:

@@ -145,11 +145,6 @@ def relight(objects: Sequence[bpy.types.Object], light: Light) -> list[str]:
     return lines
 
 
-def forget() -> None:
-    """Let go of what is kept for another light."""
-    _last.clear()
-
-
 def _solve(session, light):
     radiosity = session.radiosity
     matter = light.matter(session.materials)
