@@ -19,7 +19,7 @@ from ...transfer.textures import basis
 from ...transport.bands import Bands
 from ...transport.cells import ANGLES, Matter
 from ..blend_data import nodes
-from ..materials import base_color, glass_and_metal, spectral_material
+from ..materials import base_color, glass_and_metal, material_outputs, spectral_material
 
 CLEAR = {"BSDF_GLASS", "BSDF_REFRACTION"}
 GREY = 0.8  # of what has no material, as Blender shows it
@@ -104,8 +104,8 @@ def matter(
 
 
 def _shader(material: bpy.types.Material) -> Socket | None:
-    outputs = spectral_material.outputs_of(material)
-    return spectral_material.source_before(material.node_tree, outputs[0]) if outputs else None
+    outputs = material_outputs.before(material)
+    return material_outputs.source_before(material.node_tree, outputs[0]) if outputs else None
 
 
 def _read(

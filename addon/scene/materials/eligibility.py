@@ -14,7 +14,7 @@ from bpy.types import NodeSocket as Socket
 
 from ...errors import InputError
 from ..blend_data import nodes
-from . import shader_rewrite, spectral_material
+from . import material_outputs, shader_rewrite, spectral_material
 
 VOLUMES = {"PRINCIPLED_VOLUME", "VOLUME_ABSORPTION", "VOLUME_SCATTER", "VOLUME_COEFFICIENTS"}
 HAIR = {"BSDF_HAIR", "BSDF_HAIR_PRINCIPLED"}
@@ -47,12 +47,12 @@ def reason(material: bpy.types.Material) -> str:
     """
     if why := unchangeable(material):
         return why
-    outputs = spectral_material.outputs_of(material)
+    outputs = material_outputs.before(material)
     if not outputs:
-        return "" if spectral_material.without_nodes(material) else "has no surface shader"
+        return "" if material_outputs.without_nodes(material) else "has no surface shader"
     if any(nodes.source(output.inputs["Volume"]) is not None for output in outputs):
         return "is a volume"
-    found = [reason_of(spectral_material.source_before(material.node_tree, out)) for out in outputs]
+    found = [reason_of(material_outputs.source_before(material.node_tree, out)) for out in outputs]
     return next(filter(None, found), "")
 
 

@@ -23,7 +23,7 @@ from ...transfer.matrices import Transfer
 from ...transfer.metals import tints
 from ...transfer.prefilter import prefiltered
 from ..blend_data import drivers, nodes
-from . import rgb_comparison, saved_settings, shader_rewrite, spectral_material
+from . import material_outputs, rgb_comparison, saved_settings, shader_rewrite, spectral_material
 
 
 def glaze(material: bpy.types.Material, pane: Assignment) -> None:
@@ -36,7 +36,7 @@ def glaze(material: bpy.types.Material, pane: Assignment) -> None:
     node = pane_node(material)
     if node is None or not node.outputs[0].is_linked:
         spectral_material.remove(material)
-        outputs = spectral_material.remember(material)
+        outputs = material_outputs.remember(material)
         tree = material.node_tree
         before = nodes.source(outputs[0].inputs["Surface"])
         node = groups.add(tree, "ShaderNodeGroup", node_tree=glazing.ensure(), label=glazing.KIND)

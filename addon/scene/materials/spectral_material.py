@@ -22,10 +22,8 @@ from ...errors import InputError
 from ..blend_data import nodes
 from ..lights import lighting
 from ..world import light_group
-from . import saved_settings, shader_rewrite
+from . import material_outputs, saved_settings, shader_rewrite
 from .record import Details, MaterialRecord
-
-ENGINES = ("EEVEE", "CYCLES")
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,27 +121,13 @@ def update(
 
 def look_of(material: bpy.types.Material) -> shader_rewrite.Look:
     """What a material looks like without us; to be used at once, for it holds nodes."""
-    outputs = outputs_of(material)
+    outputs = material_outputs.before(material)
     if not outputs:
         return shader_rewrite.Look(None, rgb=saved_settings.viewport_colour(material)[:3])
-    shaders = [source_before(material.node_tree, output) for output in outputs]
+    shaders = [material_outputs.source_before(material.node_tree, output) for output in outputs]
     found = shader_rewrite.read(shaders[0])
     own = [o.target.title() for o, s in zip(outputs, shaders, strict=True) if s != shaders[0]]
     return replace(found, left_out=(*found.left_out, *(f"what {name} alone shows" for name in own)))
-
-
-def outputs_of(material: bpy.types.Material) -> list[bpy.types.Node]:
-    """The outputs that the engines showed before us; none of a material without nodes."""
-    if material.node_tree is None or without_nodes(material):
-        return []
-    return [node for node in _outputs(material.node_tree) if tags.NODE not in node]
-
-
-def without_nodes(material: bpy.types.Material) -> bool:
-    """Whether a material has no nodes but ours: Blender 4.5 shows its viewport colour then."""
-    if tags.MATERIAL in material:
-        return bool(material[tags.MATERIAL].get("without_nodes"))
-    return bpy.app.version < (5, 0, 0) and not material.use_nodes
 
 
 def set_texture(
@@ -177,20 +161,11 @@ def remove(material: bpy.types.Material, stays: bpy.types.NodeTree | None = None
     check_editable(material)
     tree = material.node_tree
     node = surface_node(material)
-    for output in [n for n in tree.nodes if tags.OUTPUT in n]:
-        surface = output.inputs["Surface"]
-        number = str(output[tags.OUTPUT])
-        lost = not surface.is_linked
-        if lost or tags.NODE in surface.links[0].from_node:
-            for link in list(surface.links):
-                tree.links.remove(link)
-            _plug_back(tree, surface, number)
-        del output[tags.OUTPUT]
+    material_outputs.give_back(tree)
     group = node.node_tree if node else None
     for added in [n for n in tree.nodes if tags.NODE in n]:
         tree.nodes.remove(added)
-    for source in [n for n in tree.nodes if tags.OUTPUT_SOURCE in n]:
-        del source[tags.OUTPUT_SOURCE]
+    material_outputs.forget(tree)
     saved_settings.give_back(material)
     if material[tags.MATERIAL].get("without_nodes"):
         material.use_nodes = False  # Blender 4.5; its tree is then the one that Blender makes
@@ -280,40 +255,10 @@ def surface_node(material: bpy.types.Material) -> bpy.types.Node | None:
     return next((node for node in found if node.type == "GROUP"), None)
 
 
-def _outputs(tree: bpy.types.NodeTree) -> list[bpy.types.Node]:
-    """The outputs that the engines show: one for both, or one each."""
-    found = (tree.get_output_node(engine) for engine in ENGINES)
-    return list(dict.fromkeys(node for node in found if node is not None and node.id_data == tree))
-
-
-def remember(material: bpy.types.Material) -> list[bpy.types.Node]:
-    """Keep what `remove` needs to give a material back; return its outputs, still as they were.
-
-    One that has none, or in Blender 4.5 no nodes, is given them.
-    """
-    bare = without_nodes(material)
-    nodes.use(material)
-    material[tags.MATERIAL] = {"without_nodes": bare}
-    tree = material.node_tree
-    outputs = _outputs(tree)
-    if not outputs:
-        outputs = [groups.add(tree, "ShaderNodeOutputMaterial")]
-        outputs[0][tags.NODE] = "output"
-    for number, output in enumerate(outputs):
-        surface = output.inputs["Surface"]
-        output[tags.OUTPUT] = number
-        if surface.is_linked:
-            link = surface.links[0]
-            memory = dict(link.from_node.get(tags.OUTPUT_SOURCE, {}))
-            memory[str(number)] = [link.from_socket.identifier, str(int(link.is_muted))]
-            link.from_node[tags.OUTPUT_SOURCE] = memory
-    return outputs
-
-
 def _take_over(
     material: bpy.types.Material, group: bpy.types.NodeTree, gloss: bool, textured: bool
 ) -> bpy.types.Node:
-    outputs = remember(material)
+    outputs = material_outputs.remember(material)
     tree = material.node_tree
     node = groups.add(tree, "ShaderNodeGroup", node_tree=group, name=group.name, label=group.name)
     node[tags.NODE] = "surface"
@@ -326,7 +271,7 @@ def _take_over(
 def _tell_engines_apart(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
     """Give Cycles an output of its own where the light probe, which only Eevee knows, is in use."""
     apart = skylight_surface.features_of(node.node_tree).probe
-    outputs = _outputs(tree)
+    outputs = material_outputs.shown(tree)
     added = next((n for n in tree.nodes if n.get(tags.NODE) == "Cycles"), None)
     if not apart and added is not None:
         tree.nodes.remove(added)
@@ -337,28 +282,7 @@ def _tell_engines_apart(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
         for name in ("Volume", "Displacement"):
             if (fed := outputs[0].inputs[name]).is_linked:
                 tree.links.new(fed.links[0].from_socket, added.inputs[name])
-    for output in _outputs(tree):
+    for output in material_outputs.shown(tree):
         if tags.OUTPUT in output or tags.NODE in output:
             name = "Cycles" if output.target == "CYCLES" else "Shader"
             tree.links.new(shader_rewrite.tops(tree, node)[name], output.inputs["Surface"])
-
-
-def source_before(tree: bpy.types.NodeTree, output: bpy.types.Node) -> bpy.types.NodeSocket | None:
-    """What feeds an output, or fed it before we did."""
-    number = str(output.get(tags.OUTPUT))
-    for source in tree.nodes:
-        if number in source.get(tags.OUTPUT_SOURCE, {}):
-            identifier = source[tags.OUTPUT_SOURCE][number][0]
-            return next((s for s in source.outputs if s.identifier == identifier), None)
-    return nodes.source(output.inputs["Surface"])
-
-
-def _plug_back(tree: bpy.types.NodeTree, surface: bpy.types.NodeSocket, number: str) -> None:
-    for source in tree.nodes:
-        if number not in source.get(tags.OUTPUT_SOURCE, {}):
-            continue
-        identifier, muted = source[tags.OUTPUT_SOURCE][number]
-        for socket in source.outputs:
-            if socket.identifier == identifier:
-                tree.links.new(socket, surface).is_muted = muted == "1"
-                return
