@@ -8,11 +8,18 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
+import re
 import shutil
 import socket
 import threading
 from collections.abc import Iterator
 from pathlib import Path
+
+PART = re.compile(r"\..*\.(?P<host>[^.]+)\.(?P<process>\d+)-\d+\.part(\..*)?@?", re.DOTALL)
+"""What `part_of` returns. Blender writes under that name with an @ first."""
+
+LONGEST = 250
+"""[bytes] File systems take 255 in a name, and Blender 255 with its @ and the end of the text."""
 
 
 def host() -> str:
@@ -23,10 +30,36 @@ def host() -> str:
 def part_of(path: Path) -> Path:
     """Return the name under which this thread writes a file before it is whole.
 
-    In the same folder: only there is renaming one indivisible act.
+    In the same folder: only there is renaming one indivisible act. Names that are too long are cut.
     """
-    who = f"{host()}.{os.getpid()}-{threading.get_native_id()}"
-    return path.with_name(f".{path.stem}.{who}.part{path.suffix}")
+    who = f".{host()[:64]}.{os.getpid()}-{threading.get_native_id()}.part{path.suffix[:16]}"
+    room = LONGEST - len(who.encode()) - 1  # of them all, but for the dot in front
+    return path.with_name(
+        f".{path.stem.encode(errors='ignore')[:room].decode(errors='ignore')}{who}"
+    )
+
+
+def clear_parts(folder: Path) -> None:
+    """Remove what dead processes of this machine left half-written in a folder."""
+    with contextlib.suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            found = PART.fullmatch(entry.name)
+            if found and found["host"] == host()[:64] and not _alive(int(found["process"])):
+                with contextlib.suppress(OSError):
+                    os.unlink(entry.path)
+
+
+def _alive(process: int) -> bool:
+    """Whether a process is there; on Windows its file says so, which cannot be removed then."""
+    if os.name == "nt":
+        return process == os.getpid()
+    try:
+        os.kill(process, 0)
+    except (ProcessLookupError, OverflowError):
+        return False
+    except OSError:  # it is another user's
+        return True
+    return True
 
 
 @contextlib.contextmanager
@@ -46,4 +79,5 @@ def replacing(path: Path) -> Iterator[Path]:
             shutil.copymode(path, part)
         part.replace(path)
     finally:
-        part.unlink(missing_ok=True)
+        for left in (part, part.with_name(f"{part.name}@")):  # Blender's own, where it ran full
+            left.unlink(missing_ok=True)

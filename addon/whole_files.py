@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from .atomic_file import replacing
+from .atomic_file import clear_parts, replacing
 from .errors import InputError
 
 
@@ -18,8 +18,9 @@ def writing(path: str | Path) -> Iterator[Path]:
     """Yield a path to write to, which replaces ``path`` as a whole, as `atomic_file.replacing`.
 
     Raises `InputError` where the file cannot be written, which Blender and OpenEXR report by
-    RuntimeError; what stood there stays.
+    RuntimeError; what stood there stays. What killed processes left beside it is removed.
     """
+    clear_parts(Path(path).parent)
     try:
         with replacing(Path(path)) as part:
             yield part
@@ -30,9 +31,12 @@ def writing(path: str | Path) -> Iterator[Path]:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write text as UTF-8 with line ends as they are; InputError as `writing`."""
+    """Write text as UTF-8 with line ends as they are; InputError as `writing`.
+
+    Half characters, of names that are no UTF-8, are escaped as JSON and Python do.
+    """
     with writing(path) as part:
-        part.write_text(text, encoding="utf-8", newline="")
+        part.write_text(text, encoding="utf-8", errors="backslashreplace", newline="")
 
 
 def write_json(path: Path, content: Any) -> None:

@@ -101,6 +101,31 @@ def test_what_prevents_it_is_one_line_with_a_cure(tmp_path):
         raise RuntimeError("Error: saving\nno room\n")  # as Blender reports
 
 
+def test_what_a_killed_process_left_is_cleared_by_the_next_file_beside_it(tmp_path):
+    """Also what Blender wrote under its own name; what others write, or a person has, stays."""
+    code = (
+        "import os, pathlib; from spectral_skylight.addon.atomic_file import replacing\n"
+        "with replacing(pathlib.Path('a.txt')) as part:\n"
+        " part.write_text('half'); part.with_name(part.name + '@').touch(); os.kill(os.getpid(), 9)"
+    )
+    killed = subprocess.run([sys.executable, "-c", code], cwd=tmp_path)
+    assert killed.returncode != 0 and len(parts(tmp_path)) == 2
+    (tmp_path / ".mine.part.txt").touch()
+    with whole_files.writing(tmp_path / "b.txt") as part:
+        whole_files.write_text(tmp_path / "c.txt", "text")  # leaves the other's part alone
+        part.write_text("text")
+    assert parts(tmp_path) == [".mine.part.txt"]
+
+
+@pytest.mark.parametrize("name", ["é" * 125 + ".exr", "a" * 240 + ".blend", "a." + "b" * 250])
+def test_the_longest_names_can_be_written(tmp_path, name):
+    """A part's name is cut where the file's own fills the 255 bytes of a name."""
+    part = part_of(tmp_path / name)
+    assert len(os.fsencode(part.name)) < 255
+    whole_files.write_text(tmp_path / name, "text")
+    assert (tmp_path / name).read_text() == "text" and parts(tmp_path) == []
+
+
 def test_threads_do_not_write_into_one_part(tmp_path):
     found = []
     thread = threading.Thread(target=lambda: found.append(part_of(tmp_path / "a")))

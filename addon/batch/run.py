@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ..atomic_file import host
+from ..atomic_file import clear_parts
 from .dispatch import CHUNK, Number, Pool, chunks, dispatch
 from .plan import read_header, read_tasks
 from .task import Task
@@ -105,14 +105,9 @@ def unprepared(plan: Path) -> str:
 
 
 def clear_leftovers(out: Path) -> None:
-    """Take away what dead processes of this machine left half-written under a plan's folder.
-
-    Only under its lock; other machines' are theirs.
-    """
-    for pattern in ("pictures/*/.*", "prepared/.*", ".*"):
-        for path in out.glob(pattern):
-            if path.match(f".*.{host()}.*.part*"):
-                path.unlink(missing_ok=True)
+    """Remove what dead processes of this machine left half-written under a plan's folder."""
+    for folder in (out, out / "prepared", *out.glob("pictures/*")):
+        clear_parts(folder)
 
 
 class _Clock:

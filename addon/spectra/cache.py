@@ -12,27 +12,34 @@ import os
 import sys
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..atomic_file import replacing
+from ..atomic_file import clear_parts, replacing
 from ..source_hash import source_hash
 
 
+_DIGEST = "digest"
+"""The array beside those of a result that proves them whole."""
+
+
 def folder() -> Path | None:
-    """Return the user's cache folder for this package, None where there is to be none."""
+    """Return the user's cache folder for this package, None where there is to be none.
+
+    Nor is there one where nobody knows the user's home, as in a container without a user.
+    """
     given = os.environ.get("SPECTRAL_SKYLIGHT_CACHE")
     if given is not None:
         return Path(given) if given else None
-    if sys.platform == "win32":
-        base = Path(os.environ.get("LOCALAPPDATA", Path.home() / "AppData" / "Local"))
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    else:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    return base / "spectral-skylight"
+    named = {"win32": "LOCALAPPDATA", "darwin": ""}.get(sys.platform, "XDG_CACHE_HOME")
+    below = {"win32": "AppData/Local", "darwin": "Library/Caches"}.get(sys.platform, ".cache")
+    if base := os.environ.get(named):
+        return Path(base) / "spectral-skylight"
+    try:
+        return Path.home() / below / "spectral-skylight"
+    except RuntimeError:
+        return None
 
 
 def place(kind: str, content: dict[str, Any], *code: Path) -> Path | None:
@@ -49,14 +56,16 @@ def place(kind: str, content: dict[str, Any], *code: Path) -> Path | None:
 
 
 def load(path: Path | None) -> dict[str, NDArray] | None:
-    """Return the arrays of a file, None where there is none or it is damaged."""
+    """Return the arrays of a file, None where there is none, or not all that `save` wrote."""
     if path is None:
         return None
     try:
         with np.load(path, allow_pickle=False) as file:
-            return dict(file)
-    except (OSError, ValueError, EOFError, BadZipFile):
+            arrays = dict(file)
+        digest = arrays.pop(_DIGEST)
+    except Exception:  # zip, zlib and numpy have a dozen ways to say that it is damaged
         return None
+    return arrays if np.array_equal(digest, _digest(arrays)) else None
 
 
 def save(path: Path | None, arrays: dict[str, NDArray]) -> None:
@@ -65,8 +74,18 @@ def save(path: Path | None, arrays: dict[str, NDArray]) -> None:
         return
     with contextlib.suppress(OSError):  # a full or read-only disk costs time, not the result
         path.parent.mkdir(parents=True, exist_ok=True)
+        clear_parts(path.parent)
         with replacing(path) as part, part.open("wb") as file:
-            np.savez(file, **arrays)
+            np.savez(file, **arrays, **{_DIGEST: _digest(arrays)})
+
+
+def _digest(arrays: dict[str, NDArray]) -> NDArray[np.uint8]:
+    """Return a hash of names, kinds and values of arrays."""
+    found = hashlib.sha256()
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        found.update(f"{name} {array.dtype.str} {array.shape} ".encode() + array.tobytes())
+    return np.frombuffer(found.digest(), np.uint8)
 
 
 def _plain(value: Any) -> Any:

@@ -148,13 +148,17 @@ def test_a_killed_run_holds_no_folder(tmp_path):
         pass
 
 
-def test_only_our_leftovers_are_cleared(path):
+def test_only_our_leftovers_are_cleared(path, monkeypatch):
     folder = path.parent / "pictures" / "a"
     folder.mkdir(parents=True)
+    alive = atomic_file.part_of(folder / "b.exr")
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    monkeypatch.setattr(os, "getpid", lambda: dead.pid)
     ours = atomic_file.part_of(folder / "a.exr")
     others = folder / ours.name.replace(atomic_file.host(), "elsewhere")
-    kept = [others, folder / "a.exr", folder / "a.part.exr", path]
-    for each in (ours, *kept[:3], part := atomic_file.part_of(path)):
+    kept = [others, folder / "a.exr", folder / "a.part.exr", alive, path]
+    for each in (ours, *kept[:4], part := atomic_file.part_of(path)):
         each.touch()
     run.clear_leftovers(path.parent)
     assert not ours.exists() and not part.exists() and all(each.exists() for each in kept)

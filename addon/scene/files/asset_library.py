@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...progress import Progress
 from ...spectra.working_spaces import rec709_to_working, srgb
-from ...whole_files import write_text, writing
+from ...whole_files import write_text
 from ..blend_data import nodes, working_space
+from .whole_blend import writing_blend
 
 SIZE = 32
 """Side of a preview [pixels]: two areas of one colour, for hundreds of materials."""
@@ -64,7 +65,7 @@ def write(
             for word in {word for word in kinds[number].split(", ") if word}:
                 material.asset_data.tags.new(word)
         path = folder / "reflectances.blend"
-        with writing(path) as part:
+        with writing_blend(path) as part:
             bpy.data.libraries.write(str(part), set(made), fake_user=True)
         _catalogues(folder / CATALOGUES, paths)
         return path

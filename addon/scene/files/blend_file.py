@@ -8,7 +8,7 @@ from typing import NoReturn
 import bpy
 
 from ...errors import InputError
-from ...whole_files import writing
+from .whole_blend import writing_blend
 
 
 def open_scene(path: str | Path) -> bpy.types.Scene:
@@ -53,5 +53,5 @@ def save(path: str | Path) -> None:
     Relative paths in it are adapted to the new folder. Raises InputError for a folder that does
     not exist or cannot be written to.
     """
-    with writing(Path(path).resolve()) as part:
+    with writing_blend(Path(path).resolve()) as part:
         bpy.ops.wm.save_as_mainfile(filepath=str(part), copy=True, check_existing=False)
