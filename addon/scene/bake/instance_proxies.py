@@ -9,7 +9,7 @@ the Empty its collection back and takes all of ours away.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import bpy
 from mathutils import Matrix
@@ -27,13 +27,19 @@ Wanted = Callable[[bpy.types.Object], bool]
 Place = tuple[bpy.types.Object, Matrix]
 
 
-def instances_of(obj: bpy.types.Object) -> bpy.types.Collection | None:
-    """The collection that an object instances, as the user gave it; None for any other object."""
+def instances_of(
+    obj: bpy.types.Object, there: Sequence[bpy.types.Object] | None = None
+) -> bpy.types.Collection | None:
+    """The collection that an object instances, as the user gave it; None for any other object.
+
+    ``there``: its stand-ins, where they are known.
+    """
     if obj.instance_type != "COLLECTION" or obj.instance_collection is None or tags.REST in obj:
         return None
-    if tags.REST not in obj.instance_collection:
+    if not _is_handed_out(obj):
         return obj.instance_collection
-    found = (modifiers.get_input(modifier_of(child), "Collection") for child in stand_ins(obj))
+    children = stand_ins(obj) if there is None else there
+    found = (modifiers.get_input(modifier_of(child), "Collection") for child in children)
     name = obj.instance_collection[tags.REST]
     return next(found, None) or next((c for c in bpy.data.collections if c.name_full == name), None)
 
@@ -45,55 +51,88 @@ def modifier_of(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
 
 def stand_ins(obj: bpy.types.Object) -> list[bpy.types.Object]:
     """The objects of ours that stand in for an Empty's instances."""
-    found = [child for child in obj.children_recursive if modifier_of(child) is not None]
+    # A list that Blender draws up from all objects: only Empties of ours have such children.
+    return _sorted(obj.children) if _is_handed_out(obj) else []
+
+
+def all_stand_ins() -> dict[bpy.types.Object, list[bpy.types.Object]]:
+    """`stand_ins` of all Empties that have any: `children` of each would take quadratic time."""
+    found: dict[bpy.types.Object, list[bpy.types.Object]] = {}
+    for obj in bpy.data.objects:
+        if obj.parent is not None and modifier_of(obj) is not None:
+            found.setdefault(obj.parent, []).append(obj)
+    return {root: _sorted(children) for root, children in found.items()}
+
+
+def _sorted(children) -> list[bpy.types.Object]:
+    found = [child for child in children if modifier_of(child) is not None]
     return sorted(found, key=lambda child: child.name_full)
 
 
-def is_spread(obj: bpy.types.Object, wanted: Wanted) -> bool:
-    """Whether stand-ins are there for all that an Empty instances and that is wanted, no others."""
-    collection = instances_of(obj)
+def _is_handed_out(obj):
+    """Whether an Empty shows a collection of ours instead of its own."""
+    collection = obj.instance_collection
+    return collection is not None and tags.REST in collection
+
+
+def is_spread(
+    obj: bpy.types.Object, wanted: Wanted, there: Sequence[bpy.types.Object] | None = None
+) -> bool:
+    """Whether stand-ins (``there``, where known) are all that an Empty's wanted instances need."""
+    if not _is_handed_out(obj):
+        return False
+    children = stand_ins(obj) if there is None else there
+    collection = instances_of(obj, children)
     if collection is None:
         return False
     now = [source for source, _ in _places(collection, wanted)]
-    there = [modifiers.get_input(modifier_of(child), "Source") for child in stand_ins(obj)]
-    return sorted(o.name_full for o in now) == sorted(o.name_full if o else "" for o in there)
+    shown = [modifiers.get_input(modifier_of(child), "Source") for child in children]
+    return sorted(o.name_full for o in now) == sorted(o.name_full if o else "" for o in shown)
 
 
-def shows(obj: bpy.types.Object, wanted: Wanted) -> bool:
+def shows(
+    obj: bpy.types.Object, wanted: Wanted, there: Sequence[bpy.types.Object] | None = None
+) -> bool:
     """Whether an Empty instances something that is wanted."""
-    collection = instances_of(obj)
+    collection = instances_of(obj, there)
     return collection is not None and any(True for _ in _places(collection, wanted))
 
 
-def spread(obj: bpy.types.Object, wanted: Wanted) -> list[bpy.types.Object]:
-    """Let stand-ins show what of an Empty's instances is wanted, and return them."""
-    if is_spread(obj, wanted):
-        return stand_ins(obj)
-    gather(obj)
-    collection = obj.instance_collection
+def spread(objects: Sequence[bpy.types.Object], wanted: Wanted) -> list[bpy.types.Object]:
+    """Let stand-ins show what of the instances of Empties is wanted, and return them."""
+    there = all_stand_ins()
+    old = [obj for obj in objects if not is_spread(obj, wanted, there.get(obj, ()))]
+    gather(old)
+    bpy.context.view_layer.update()  # once for all: each takes as long as the scene is large
+    rests: dict[bpy.types.Collection, bpy.types.Collection] = {}
+    for obj in old:
+        collection = obj.instance_collection
+        _spread(obj, obj, collection, Matrix(), wanted, collection, rests)
     bpy.context.view_layer.update()
-    _spread(obj, obj, collection, Matrix(), wanted, collection)
-    bpy.context.view_layer.update()
-    return stand_ins(obj)
+    there = all_stand_ins()
+    return [child for obj in objects for child in there.get(obj, ())]
 
 
-def gather(obj: bpy.types.Object) -> None:
-    """Give an Empty its own collection back, and take away what stood in for it."""
-    collection = instances_of(obj)
-    if collection is None or tags.REST not in obj.instance_collection:
-        return
-    others = [child for child in obj.children_recursive if tags.REST in child]
-    for child in [*stand_ins(obj), *others]:
-        storage.remove(child)
-        rest, mesh = child.instance_collection, child.data
-        bpy.data.objects.remove(child)
-        if mesh is not None:
-            bpy.data.meshes.remove(mesh)
-        if rest is not None:
-            _forget(rest)
-    rest = obj.instance_collection
-    obj.instance_collection = collection
-    _forget(rest)
+def gather(objects: Sequence[bpy.types.Object]) -> None:
+    """Give Empties their own collections back, and take away what stood in for them."""
+    there = all_stand_ins()
+    handed_out = {obj for obj in objects if _is_handed_out(obj)}
+    nested = [obj for obj in bpy.data.objects if obj.parent in handed_out and tags.REST in obj]
+    rests, gone = set(), []
+    for obj in handed_out:
+        collection = instances_of(obj, there.get(obj, ()))
+        if collection is None:
+            continue
+        rests.add(obj.instance_collection)
+        obj.instance_collection = collection
+        gone += there.get(obj, [])
+    storage.remove(gone)
+    rests |= {obj.instance_collection for obj in nested if obj.instance_collection is not None}
+    meshes = [obj.data for obj in gone if obj.data is not None]
+    bpy.data.batch_remove([*gone, *nested])
+    bpy.data.batch_remove(meshes)
+    for rest in rests:
+        _forget(rest)
     for tree in groups.of_kind(sky_instance.KIND):
         if tree.users == 0:
             bpy.data.node_groups.remove(tree)
@@ -123,9 +162,14 @@ def _shown(collection: bpy.types.Collection) -> Iterator[bpy.types.Object]:
         yield from _shown(child)
 
 
-def _spread(parent, root, collection, at, wanted, kept) -> None:
-    """Hand an Empty the rest of a collection, and put what is wanted of it under the root."""
-    parent.instance_collection = _rest(collection, wanted)
+def _spread(parent, root, collection, at, wanted, kept, rests) -> None:
+    """Hand an Empty the rest of a collection, and put what is wanted of it under the root.
+
+    ``rests``: those that other Empties were handed just now, by their collections.
+    """
+    if collection not in rests:
+        rests[collection] = _rest(collection, wanted)
+    parent.instance_collection = rests[collection]
     at = at @ Matrix.Translation(-collection.instance_offset)
     for source in _shown(collection):
         inside = source.instance_collection if source.instance_type == "COLLECTION" else None
@@ -139,7 +183,7 @@ def _spread(parent, root, collection, at, wanted, kept) -> None:
             )
             nested[tags.REST] = source.name_full
             _place(nested, root, at @ source.matrix_world)
-            _spread(nested, root, inside, at @ source.matrix_world, wanted, kept)
+            _spread(nested, root, inside, at @ source.matrix_world, wanted, kept, rests)
         elif source.type in SHAPES and wanted(source):
             _stand_in(source, root, at, kept)
 
@@ -194,8 +238,9 @@ def _rest(collection: bpy.types.Collection, wanted: Wanted) -> bpy.types.Collect
 
 def _forget(rest: bpy.types.Collection) -> None:
     """Take a collection of ours away, and its children, but where another Empty still has it."""
-    if tags.REST not in rest or any(obj.instance_collection == rest for obj in bpy.data.objects):
+    if tags.REST not in rest or rest.users:
         return
-    for child in list(rest.children):
-        _forget(child)
+    children = list(rest.children)
     bpy.data.collections.remove(rest)
+    for child in children:
+        _forget(child)

@@ -34,6 +34,7 @@ def targets(selected: bool = False) -> list[bpy.types.Object]:
     """
     layer = bpy.context.view_layer
     showing, managed = _showing(), is_managed
+    there = instance_proxies.all_stand_ins()
     found = []
     for obj in layer.objects:
         if not obj.visible_get(view_layer=layer) or obj.hide_render:
@@ -42,8 +43,9 @@ def targets(selected: bool = False) -> list[bpy.types.Object]:
         if selected and not chosen.select_get(view_layer=layer):
             continue
         itself = obj.type in SHAPES and obj in showing and obj.instance_type == "NONE"
-        by = instance_proxies.shows(obj, managed) and not instance_proxies.is_spread(obj, managed)
-        if itself or by:
+        own = there.get(obj, ())
+        by = instance_proxies.shows(obj, managed, own)
+        if itself or (by and not instance_proxies.is_spread(obj, managed, own)):
             found.append(obj)
     return found
 
@@ -88,9 +90,7 @@ def bake(
     """
     chosen, lines = _real(targets() if objects is None else objects)
     if changed_only and chosen:
-        around = geometry.gather(bpy.context.evaluated_depsgraph_get())
-        found = surroundings.signatures(around)
-        chosen = [obj for obj in chosen if _stale(obj, around, found)]
+        chosen = _stale(chosen)
     refused = {obj: _hindrance(obj) for obj in chosen}
     lines += [f'object "{obj.name}" {why}: not baked' for obj, why in refused.items() if why]
     chosen = [obj for obj in chosen if not refused[obj]]
@@ -110,26 +110,25 @@ def _real(
 ) -> tuple[list[bpy.types.Object], list[str]]:
     """Objects with stand-ins for the instances of Empties among them, and lines to say."""
     real: list[bpy.types.Object] = []
-    lines = []
+    empties, lines = [], []
+    there = instance_proxies.all_stand_ins()
     for obj in objects:
-        if instance_proxies.instances_of(obj) is None:
+        if instance_proxies.instances_of(obj, there.get(obj, ())) is None:
             real.append(obj)
         elif obj.is_editable and obj.library is None:
-            real += instance_proxies.spread(obj, is_managed)
+            empties.append(obj)
         else:
             reason = "is linked from another file: the open sky lights its instances"
             lines.append(f'object "{obj.name}" {reason}')
-    return real, lines
+    return (real + instance_proxies.spread(empties, is_managed) if empties else real), lines
 
 
 def _gather() -> None:
     """Give back their instances to Empties of whose stand-ins none is baked."""
-    for obj in [
-        each for each in bpy.data.objects if instance_proxies.instances_of(each) is not None
-    ]:
-        there = instance_proxies.stand_ins(obj)
-        if there and all(storage.bake_of(each) is None for each in there):
-            instance_proxies.gather(obj)
+    there = instance_proxies.all_stand_ins().items()
+    bare = [root for root, own in there if all(storage.bake_of(each) is None for each in own)]
+    if bare:
+        instance_proxies.gather(bare)
 
 
 def _left_open() -> list[str]:
@@ -151,10 +150,10 @@ def remove(objects: Collection[bpy.types.Object] | None = None) -> int:
     """Take the bakes of objects (None: of the file) away without a trace, and count them."""
     chosen = list(bpy.data.objects if objects is None else objects)
     if objects is not None:
-        chosen += [each for obj in chosen for each in instance_proxies.stand_ins(obj)]
+        there = instance_proxies.all_stand_ins()
+        chosen += [each for obj in chosen for each in there.get(obj, ())]
     baked = {obj for obj in chosen if storage.modifier_of(obj) is not None}
-    for obj in baked:
-        storage.remove(obj)
+    storage.remove(baked)
     _gather()
     return len(baked)
 
@@ -169,8 +168,7 @@ def stale() -> list[bpy.types.Object]:
 
     It evaluates the scene: for a button, not for a panel's drawing.
     """
-    around, found = _scene()
-    return [obj for obj in targets() if _stale(obj, around, found)]
+    return _stale(targets())
 
 
 def relight(light: light_of_scene.Light) -> list[str]:
@@ -185,14 +183,12 @@ def relight(light: light_of_scene.Light) -> list[str]:
     return lines + session.relight(there, light) if there else lines
 
 
-def _scene():
+def _stale(objects: Collection[bpy.types.Object]) -> list[bpy.types.Object]:
+    """Those of some objects without a bake, or whose bake is not of what they see now."""
     around = geometry.gather(bpy.context.evaluated_depsgraph_get())
-    return around, surroundings.signatures(around)
-
-
-def _stale(obj, around, found):
-    kept = storage.bake_of(obj)
-    return not storage.is_lit(obj) or surroundings.changed(kept, obj.name_full, found, around.size)
+    lit = {obj.name_full: bake for obj in objects if (bake := storage.lit_bake_of(obj)) is not None}
+    changed = surroundings.changed(lit, surroundings.signatures(around), around.size)
+    return [obj for obj in objects if obj.name_full not in lit or obj.name_full in changed]
 
 
 def _hindrance(obj):

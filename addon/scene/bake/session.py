@@ -85,7 +85,8 @@ def baking(
         bend = layout.bends(coarse)
         layout.refine(plans, around, bend, levels, tolerance)
         targets = layout.lay_out(plans, around)
-        others = [obj for obj in bpy.data.objects if storage.is_lit(obj) and obj not in objects]
+        own = set(objects)
+        others = [obj for obj in bpy.data.objects if obj not in own and storage.is_lit(obj)]
         targets += _kept_targets(others, around)
         whole = [target.obj for target in targets]
         finer = layout.finer(surfaces, levels, bend, tolerance, PATCHES[1])
@@ -105,16 +106,14 @@ def baking(
                 yield Progress(0.6 + 0.4 * share, f"{len(receivers):,} points")
             _write(session, light, solved)
             if not cast:
-                for plan in plans:
-                    surroundings.remember(plan.bake, plan.obj.name_full, found)
+                surroundings.remember({plan.obj.name_full: plan.bake for plan in plans}, found)
                 yield Progress(0.6 + 0.4 * len(pattern) / total, "a first light")
             cast += len(pattern)
         session.key = _key()
         _last.append(session)
     finally:
-        for obj in objects:
-            if obj not in whole or not storage.is_lit(obj):
-                storage.remove(obj)
+        laid_out = set(whole)
+        storage.remove(obj for obj in objects if obj not in laid_out or not storage.is_lit(obj))
     return lines, len(plans)
 
 

@@ -6,7 +6,7 @@ one each. See `node_groups.sky_bake` for how it is laid out.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import bpy
@@ -29,10 +29,15 @@ def bake_of(obj: bpy.types.Object) -> bpy.types.Object | None:
     return None if modifier is None else modifiers.get_input(modifier, "Bake")
 
 
-def is_lit(obj: bpy.types.Object) -> bool:
-    """Whether an object has a bake that holds light; one by an earlier version holds none."""
+def lit_bake_of(obj: bpy.types.Object) -> bpy.types.Object | None:
+    """The bake of an object that holds light; None also for one by an earlier version."""
     bake = bake_of(obj)
-    return bake is not None and baked_light.LIGHT in bake.data.attributes
+    return bake if bake is not None and baked_light.LIGHT in bake.data.attributes else None
+
+
+def is_lit(obj: bpy.types.Object) -> bool:
+    """Whether an object has a bake that holds light."""
+    return lit_bake_of(obj) is not None
 
 
 def ensure(obj: bpy.types.Object) -> bpy.types.Object:
@@ -47,7 +52,7 @@ def ensure(obj: bpy.types.Object) -> bpy.types.Object:
         modifier.use_pin_to_last = True
     modifier.node_group = sky_bake.ensure()
     old = modifiers.get_input(modifier, "Bake")
-    if old is None or sum(bake_of(other) == old for other in bpy.data.objects) > 1:
+    if old is None or old.users > 1:
         name = f"{sky_bake.KIND} {obj.name}"
         old = bpy.data.objects.new(name, bpy.data.meshes.new(name))
         modifiers.set_inputs(modifier, Bake=old)
@@ -55,19 +60,26 @@ def ensure(obj: bpy.types.Object) -> bpy.types.Object:
     return old
 
 
-def remove(obj: bpy.types.Object) -> None:
-    """Take modifier and bake away; without any left in the file, the group too."""
-    modifier = modifier_of(obj)
-    if modifier is None:
-        return
-    bake, tree = modifiers.get_input(modifier, "Bake"), modifier.node_group
-    obj.modifiers.remove(modifier)
-    if bake is not None and not any(bake_of(other) == bake for other in bpy.data.objects):
-        mesh = bake.data
-        bpy.data.objects.remove(bake)
-        bpy.data.meshes.remove(mesh)
-    if tree.users == 0:
-        bpy.data.node_groups.remove(tree)
+def remove(objects: Iterable[bpy.types.Object]) -> None:
+    """Take modifiers and bakes of objects away; without any left in the file, the group too."""
+    bakes, trees = set(), set()
+    for obj in objects:
+        modifier = modifier_of(obj)
+        if modifier is None:
+            continue
+        bakes.add(modifiers.get_input(modifier, "Bake"))
+        modifiers.set_inputs(modifier, Bake=None)  # which removing it leaves a user of the bake
+        trees.add(modifier.node_group)
+        obj.modifiers.remove(modifier)
+    # All at once: Blender looks through the whole file for whoever uses what goes.
+    gone = [bake for bake in bakes if bake is not None and not bake.users]
+    meshes = {bake.data for bake in gone}
+    records = {record for bake in gone if (record := bake.get(tags.SEEN)) is not None}
+    bpy.data.batch_remove(gone)
+    bpy.data.batch_remove([each for each in (*meshes, *records) if not each.users])
+    for tree in trees:
+        if not tree.users:
+            bpy.data.node_groups.remove(tree)
 
 
 @dataclass

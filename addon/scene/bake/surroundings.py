@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ....node_groups import sky_bake
 from ... import tags
 from .geometry import Geometry
 
@@ -46,35 +48,84 @@ def signatures(around: Geometry) -> dict[str, NDArray[np.float64]]:
     return dict(zip(around.owners, rows, strict=True))
 
 
-def remember(bake: bpy.types.Object, name: str, found: dict[str, NDArray]) -> None:
-    """Keep with the bake of an object what of `signatures` counts for it."""
-    bake[tags.SURROUNDINGS] = json.dumps(
-        {key: row.tolist() for key, row in _near(name, found).items()}
-    )
+def remember(baked: Mapping[str, bpy.types.Object], found: dict[str, NDArray]) -> None:
+    """Keep with the bakes of objects, by name, what of `signatures` counts for any of them.
 
-
-def changed(bake: bpy.types.Object, name: str, found: dict[str, NDArray], size: float) -> bool:
-    """Whether an object or what counts for it differs from what its bake has seen.
-
-    `size`: the scene's.
+    Once for all of them, so that a file grows by what stands in it.
     """
-    if tags.SURROUNDINGS not in bake:
-        return True
-    before, now = json.loads(bake[tags.SURROUNDINGS]), _near(name, found)
-    if before.keys() != now.keys():
-        return True
+    own = np.array([found[name] for name in baked if name in found]).reshape(-1, 14)
+    rows = np.array(list(found.values())).reshape(-1, 14)
+    # Of much of a scene all counts: not worth looking at each pair.
+    counts = _any_near(rows, own) if 8 * len(own) < len(rows) else np.ones(len(rows), bool)
+    mesh = bpy.data.meshes.new(f"{sky_bake.KIND} Surroundings")
+    names = [name for name, near in zip(found, counts, strict=True) if near]
+    mesh[tags.SEEN_NAMES] = json.dumps(names)
+    if names:
+        mesh[tags.SEEN_ROWS] = rows[counts].ravel().tolist()
+    for bake in baked.values():
+        bake.pop(tags.SURROUNDINGS, None)
+        before = bake.get(tags.SEEN)
+        bake[tags.SEEN] = mesh
+        if before is not None and not before.users:
+            bpy.data.meshes.remove(before)
+
+
+def changed(
+    baked: Mapping[str, bpy.types.Object], found: dict[str, NDArray], size: float
+) -> set[str]:
+    """Return the names of objects that, or whose surroundings, differ from what bakes have seen.
+
+    ``baked``: bakes by the names of their objects; ``size``: the scene's.
+    """
+    result: set[str] = set()
+    together: dict[bpy.types.Mesh, list[str]] = {}
+    for name, bake in baked.items():
+        record = bake.get(tags.SEEN)
+        if record is not None:
+            together.setdefault(record, []).append(name)
+        elif tags.SURROUNDINGS not in bake:
+            result.add(name)
+        else:
+            kept = {key: np.array(row) for key, row in json.loads(bake[tags.SURROUNDINGS]).items()}
+            result |= _changed([name], kept, found, size)
+    for record, names in together.items():
+        result |= _changed(names, _kept(record), found, size)
+    return result
+
+
+def _kept(record: bpy.types.Mesh) -> dict[str, NDArray]:
+    names = json.loads(record[tags.SEEN_NAMES])
+    rows = np.array(record.get(tags.SEEN_ROWS, ()), float).reshape(-1, 14)
+    return dict(zip(names, rows, strict=True))
+
+
+def _changed(names, before, found, size):
+    """Those of some objects that have changed, or have something near them that has, now or then;
+    what was near none of them is not kept, and is as if it were new."""
     unit = np.array([size**2, *[size] * 3, *[size**2] * 6, *[size] * 4])
-    gaps = [np.abs(np.subtract(before[key], row)) / unit for key, row in now.items()]
-    return bool(np.max(gaps, initial=0.0) > STILL)
+    both = [key for key in before if key in found]
+    then = np.array([before[key] for key in both]).reshape(-1, 14)
+    now = np.array([found[key] for key in both]).reshape(-1, 14)
+    off = (np.abs(then - now) / unit).max(axis=1, initial=0.0) > STILL
+    moved = {key for key, each in zip(both, off, strict=True) if each}
+    gone = [before[key] for key in before if key not in found]
+    new = [found[key] for key in found if key not in before]
+    rows = np.array([*then[off], *now[off], *gone, *new]).reshape(-1, 14)
+    result = {name for name in names if (name in before) != (name in found) or name in moved}
+    still = [name for name in names if name in found and name not in result]
+    near = _any_near(np.array([found[name] for name in still]).reshape(-1, 14), rows, True)
+    return result | {name for name, each in zip(still, near, strict=True) if each}
 
 
-def _near(name, found):
-    own = found.get(name)
-    if own is None:
-        return {}
-    kept = {}
-    for key, row in found.items():
-        distance = np.linalg.norm(row[10:13] - own[10:13]) - own[13] - row[13]
-        if distance <= 0.0 or row[13] > FAR * distance:
-            kept[key] = row
-    return kept
+def _any_near(rows: NDArray, others: NDArray, seen: bool = False) -> NDArray[np.bool_]:
+    """Which of some rows (n, 14) count for any of others, or with ``seen``, have any that counts
+    for them, (n,)."""
+    result = np.zeros(len(rows), bool)
+    step = max(1, 2**20 // max(len(others), 1))
+    for first in range(0, len(rows) if len(others) else 0, step):
+        part = rows[first : first + step]
+        gap = np.linalg.norm(part[:, None, 10:13] - others[None, :, 10:13], axis=2)
+        gap -= part[:, None, 13] + others[None, :, 13]
+        radius = others[None, :, 13] if seen else part[:, None, 13]
+        result[first : first + step] = ((gap <= 0.0) | (radius > FAR * gap)).any(axis=1)
+    return result
