@@ -46,7 +46,7 @@ def clear_parts(folder: Path) -> None:
             found = PART.fullmatch(entry.name)
             if found and found["host"] == host()[:64] and not _alive(int(found["process"])):
                 with contextlib.suppress(OSError):
-                    os.unlink(entry.path)
+                    Path(entry.path).unlink()
 
 
 def _alive(process: int) -> bool:

@@ -1,4 +1,4 @@
-"""A disk that is full after so many bytes of a file, by the limit that the system sets a process."""
+"""A disk that is full after so many bytes of a file, by the limit on the size of files."""
 
 from __future__ import annotations
 

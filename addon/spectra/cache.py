@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from ..atomic_file import clear_parts, replacing
 from ..source_hash import source_hash
 
-
 _DIGEST = "digest"
 """The array beside those of a result that proves them whole."""
 
