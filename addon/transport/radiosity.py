@@ -9,7 +9,7 @@ light, costs a look-up of the table alone.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +47,10 @@ class Direct:
     """(2, 3): the half sides of one that is flat, which shines by the cosine to one side."""
     radius: float = 0.0
     """Of a ball."""
+
+    def seen_from(self, origin: NDArray[np.float64]) -> Direct:
+        """Return the same lamp where places are relative to an origin (3,)."""
+        return self if self.place is None else replace(self, place=self.place - origin)
 
 
 class Radiosity:

@@ -22,14 +22,12 @@ REFLECTED = {"Wall": 0.5}
 class Walls(Light):
     """An even sky, or a sun that is not seen, on a wall that reflects half before a black floor."""
 
-    def __init__(self, sunny):
-        self.sunny = sunny
-        if sunny:
-            self.lamps = [Direct(None, np.array([1, 0, 1]) / 2**0.5, np.ones(COUNT, np.float32))]
+    def __init__(self, *lamps):
+        self.lamps = lamps
 
     @property
     def sky(self):
-        return super().sky * (not self.sunny)
+        return super().sky * (not self.lamps)
 
     def matter(self, names):
         found = super().matter(names)
@@ -52,6 +50,17 @@ def shown(name, places):
     return obj
 
 
+EVEN = np.ones(COUNT, np.float32)
+SUN = Direct(None, np.array([1, 0, 1]) / 2**0.5, EVEN)
+LAMP = Direct(np.array([1.0, -1.0, 3.0]), np.array([0.0, 0.0, -1.0]), EVEN)
+
+
+def lit_by_lamp(y, z):
+    """Radiance of the wall, which reflects half, by `LAMP`: cosine by the distance's square."""
+    across, along, up = LAMP.place
+    return 0.5 * across / (across**2 + (y - along) ** 2 + (z - up) ** 2) ** 1.5
+
+
 def from_wall(place, light):
     """Irradiance / pi on level ground from a wall of this radiance, summed up over its area."""
     steps = 400
@@ -60,17 +69,20 @@ def from_wall(place, light):
     y, z = np.meshgrid(side, height, indexing="ij")
     way = np.stack([np.broadcast_to(-place[0], y.shape), y - place[1], z], axis=-1)
     squared = (way**2).sum(axis=-1)
-    return light * (z * place[0] / squared**2).sum() / np.pi * (WALL / steps) ** 2
+    light = light(y, z) if callable(light) else light
+    return (light * z * place[0] / squared**2).sum() / np.pi * (WALL / steps) ** 2
 
 
 def test_the_floor_gets_the_walls_light():
-    """A floor (x > 0) before a wall at x = 0 that faces it: of the sky's half, and of a sun's."""
+    """A floor (x > 0) before a wall at x = 0 that faces it: of the sky's half, of a sun's, and of a
+    lamp's, which stands where it stands though the scene's middle is elsewhere."""
     faces.empty_scene()
     floor = shown("Floor", [(0, -6, 0), (6, -6, 0), (6, 6, 0), (0, 6, 0)])
     shown("Wall", [(0, -WALL, 0), (0, WALL, 0), (0, WALL, WALL), (0, -WALL, WALL)])
-    progress.run(scene_bake.bake(light=Walls(False), rays=1024))
-    for sunny, light in ((False, 0.5 * 0.5), (True, 0.5 * 0.5**0.5)):
-        assert scene_bake.relight(Walls(sunny)) == []
+    progress.run(scene_bake.bake(light=Walls(), rays=1024))
+    lit = ((), 0.5 * 0.5), ((SUN,), 0.5 * 0.5**0.5), ((LAMP,), lit_by_lamp)
+    for lamps, light in lit:
+        assert scene_bake.relight(Walls(*lamps)) == []
         mesh = floor.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         values = colours(mesh, baked_light.LIGHT)[:, 0]
         at = np.array([mesh.vertices[loop.vertex_index].co for loop in mesh.loops])

@@ -43,6 +43,8 @@ class _Session:
     """What another light can be cast on without a ray."""
 
     key: int
+    origin: NDArray
+    """(3,), to which the geometry's places are relative."""
     materials: list[str]
     radiosity: Radiosity
     receivers: Receivers
@@ -96,7 +98,7 @@ def baking(
         for done in radiosity.cast(SENT[1]):
             yield Progress(0.3 + 0.3 * done, "light between surfaces")
         receivers = Receivers(targets, around.materials)
-        session = _Session(0, around.materials, radiosity, receivers)
+        session = _Session(0, around.origin, around.materials, radiosity, receivers)
         solved = _solve(session, light)
         total = _rays(len(receivers), slow) if count is None else count
         cast = 0
@@ -137,7 +139,7 @@ def relight(objects: Sequence[bpy.types.Object], light: Light) -> list[str]:
         total = _rays(len(receivers), False)
         for _ in receivers.cast(space, directions.pattern(total)):
             pass
-        _last.append(_Session(_key(), around.materials, radiosity, receivers))
+        _last.append(_Session(_key(), around.origin, around.materials, radiosity, receivers))
         lines.append("the bake's rays are not in memory: they were cast again")
     session = _last[0]
     _write(session, light, _solve(session, light))
@@ -148,7 +150,8 @@ def _solve(session, light):
     radiosity = session.radiosity
     matter = light.matter(session.materials)
     radiosity.take(matter)
-    return radiosity.solve(light.sky, radiosity.lit_by(list(light.lamps)))
+    lamps = [lamp.seen_from(session.origin) for lamp in light.lamps]
+    return radiosity.solve(light.sky, radiosity.lit_by(lamps))
 
 
 def _write(session: _Session, light: Light, solved) -> None:
