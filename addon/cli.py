@@ -6,15 +6,20 @@ Exit codes: 0 done, 1 failed, 2 wrong usage or bad input (one line on stderr).
 from __future__ import annotations
 
 import argparse
+import contextlib
 import io
 import os
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+import traceback
+from collections.abc import Iterator, Sequence
 from importlib import import_module
 from typing import NoReturn
 
+from .commands import outputs
 from .commands.arguments import option
-from .errors import InputError
+from .errors import InputError, fault, printable
 
 COMMANDS = (
     "matrix",
@@ -31,6 +36,8 @@ COMMANDS = (
 )
 """Names of the commands and of their modules."""
 
+PROGRAM = "spectral-skylight"
+
 LABORATORY = ("evaluate", "chart")
 """Those that measure speed, too: as numpy is."""
 
@@ -45,37 +52,87 @@ class _Parser(argparse.ArgumentParser):
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; ``arguments`` as in ``sys.argv[1:]``. Returns the exit code."""
     arguments = sys.argv[1:] if arguments is None else arguments
-    parser = _parser(arguments)
     for stream in (sys.stdout, sys.stderr):  # names of files may be what a terminal cannot show
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    code, line = 1, ""
+    with _ended_gently():
+        try:
+            code, line = _run(arguments)
+            if sys.stdout is not None:
+                sys.stdout.flush()
+        except BrokenPipeError:  # who reads has enough
+            _close_output()
+        except OSError as error:
+            line = printable(str(error))
+            _close_output()
+        except KeyboardInterrupt:
+            line = "stopped"
+        except Exception as error:
+            line = fault(error)
+            if os.environ.get("SPECTRAL_SKYLIGHT_TRACEBACK"):
+                traceback.print_exc()
+    if line:
+        print(f"{PROGRAM}: {line}", file=sys.stderr)
+    return code
+
+
+def _run(arguments: Sequence[str]) -> tuple[int, str]:
+    """Run a command and return the exit code, and the line that says what is wrong with its use."""
     try:
-        options = parser.parse_args(arguments)
+        options = _parser(arguments).parse_args(arguments)
     except SystemExit as stop:  # --help, wrong usage
-        return int(stop.code or 0)
+        return int(stop.code or 0), ""
     if options.command not in LABORATORY:
         # Before numpy is imported. Products are small here: OpenBLAS's threads wait for one another
         # longer than they work, most of all where other work fills the processors.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
+        outputs.check(options)
         options.run(options)
     except InputError as error:
-        name = getattr(options, "parameter_name", option)
-        print(f"{parser.prog}: {error.told(name)}", file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"{parser.prog}: {error}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print(f"{parser.prog}: stopped", file=sys.stderr)
-        return 1
-    return 0
+        return 2, error.told(getattr(options, "parameter_name", option))
+    return 0, ""
+
+
+def _close_output() -> None:
+    """Let what cannot be written any more go nowhere, or Python complains of it in the end."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        with contextlib.suppress(OSError, ValueError):  # where it is no file at all
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+@contextlib.contextmanager
+def _ended_gently() -> Iterator[None]:
+    """Let a request to end do what Ctrl-C does, in Blender too, which takes that away.
+
+    What is half-written is then removed; what the caller ignores, as under nohup, stays ignored.
+    """
+
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    names = ("SIGTERM", "SIGINT", "SIGHUP")
+    found = [getattr(signal, name) for name in names if hasattr(signal, name)]
+    if threading.current_thread() is not threading.main_thread():
+        found = []
+    before = {each: signal.getsignal(each) for each in found}
+    for each, handler in before.items():
+        if handler is not signal.SIG_IGN:
+            signal.signal(each, stop)
+    try:
+        yield
+    finally:
+        for each, handler in before.items():
+            signal.signal(each, handler or signal.SIG_DFL)
 
 
 def _parser(arguments: Sequence[str]) -> argparse.ArgumentParser:
     """Return the parser of the command that is asked for, or of all where none is."""
     first = next(iter(arguments), "")
-    parser = _Parser(prog="spectral-skylight", description="Spectrally correct colors under skies.")
+    parser = _Parser(prog=PROGRAM, description="Spectrally correct colors under skies.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
     for name in [first] if first in COMMANDS else COMMANDS:
         import_module(f".commands.{name}", __package__).add(commands)

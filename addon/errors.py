@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import traceback
 from collections.abc import Callable
+from pathlib import Path
 
 _PARAMETER = re.compile("‹([a-z_]+)›")
 
@@ -36,11 +38,7 @@ class InputError(ValueError):
     def told(self, name: Callable[[str], str]) -> str:
         """Return the line with each parameter as ``name`` calls it."""
         place, problem, cure = self.args
-        line = _named(f"{place}: {problem}; {cure}", name)
-        # What a file says, and its name, may hold breaks, escapes and half characters.
-        if line.isprintable():
-            return line
-        return "".join(c if c.isprintable() else " " for c in line)
+        return printable(_named(f"{place}: {problem}; {cure}", name))
 
     def within(self, place: object, name: Callable[[str], str]) -> InputError:
         """Return the same error at a place of a file in which parameters have other names."""
@@ -54,6 +52,35 @@ class InputError(ValueError):
 
     def __str__(self) -> str:
         return self.told(in_words)
+
+
+def fault(error: BaseException) -> str:
+    """Return the line for an exception that nobody foresaw: a fault of the program's own.
+
+    It names the exception, the last place in our files, and who wants to know of it.
+    """
+    root = Path(__file__).parents[1]
+    frames = traceback.extract_tb(error.__traceback__)
+    ours = [frame for frame in frames if Path(frame.filename).is_relative_to(root)] or frames
+    at = f" ({Path(ours[-1].filename).name}, line {ours[-1].lineno})" if ours else ""
+    said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+    return printable(f"a fault of this program, {said}{at}; please report this line {_address()}")
+
+
+def _address() -> str:
+    import tomllib
+
+    try:
+        manifest = (Path(__file__).parents[1] / "blender_manifest.toml").read_text("utf-8")
+        found = tomllib.loads(manifest)
+        return f"at {found['website']}" if "website" in found else f"to {found['maintainer']}"
+    except (OSError, ValueError, KeyError):  # installed by pip, without it
+        return "to the Spectral Skylight developers"
+
+
+def printable(line: str) -> str:
+    """Return a line without what a file's text or name may hold: breaks, escapes, half signs."""
+    return line if line.isprintable() else "".join(c if c.isprintable() else " " for c in line)
 
 
 def _named(text: str, name: Callable[[str], str]) -> str:

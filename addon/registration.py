@@ -22,6 +22,7 @@ from .ui import (
     drop,
     everything,
     explain,
+    last_guard,
     library,
     load_sky,
     material_panel,
@@ -69,7 +70,7 @@ def register() -> None:
     """Register classes, properties and the command; a step that fails takes back those before."""
     try:
         for cls in CLASSES:
-            bpy.utils.register_class(cls)
+            bpy.utils.register_class(last_guard.guarded(cls))
             _undo.append(partial(bpy.utils.unregister_class, cls))
         for module in (properties, library, batch, menu, staleness_handlers):
             module.attach()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from ..choices import BAKED, GROUNDS, OCCLUSIONS, default, described
 from ..errors import InputError
 from .arguments import Commands, add_matrix_options, basis_name
+from .outputs import output
 from .progress_bar import run_with_bar
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument(
         "--write-assignments",
+        type=output(".csv"),
         metavar="FILE.csv",
         help="also write the assignments of all spectral materials as such a table",
     )
@@ -101,7 +103,7 @@ def add(commands: Commands) -> None:
         action="store_true",
         help="keep the specular and metallic layers of the materials",
     )
-    parser.add_argument("--out", required=True, metavar="OUT.blend")
+    parser.add_argument("--out", required=True, type=output(".blend"), metavar="OUT.blend")
     parser.set_defaults(run=run)
 
 
@@ -186,6 +188,7 @@ def run(options: argparse.Namespace) -> None:
 
     read, settings = _read(options), _settings(options)
     scene = blend_file.open_scene(options.scene)
+    blend_file.check_unread(Path(options.out))
     if options.space not in (None, working_space.name()):
         raise InputError(
             options.scene,

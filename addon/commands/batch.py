@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import signal
 import sys
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -112,7 +110,7 @@ def _run(options: argparse.Namespace) -> None:
     if options.scheduler is None:
         blender_command(options.blender)
     out, path, outcome, state = _folder(options.study), None, None, "failed"
-    with locked(out), run_status.RunStatus(out) as shown, _ended_gently():
+    with locked(out), run_status.RunStatus(out) as shown:
         try:
             path = _ready(options, shown)
             if options.dry_run:
@@ -212,21 +210,3 @@ def _report(options: argparse.Namespace) -> None:
     print(path.with_name("report.html"))
     if set(counts) != {"done"}:
         raise OSError("some pictures are missing")
-
-
-@contextlib.contextmanager
-def _ended_gently() -> Iterator[None]:
-    """Let a request to end (SIGTERM) do what Ctrl-C does, in Blender too, which takes that away."""
-
-    def stop(*_: object) -> None:
-        raise KeyboardInterrupt
-
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = {each: signal.signal(each, stop) for each in (signal.SIGTERM, signal.SIGINT)}
-    try:
-        yield
-    finally:
-        for each, handler in before.items():
-            signal.signal(each, handler)

@@ -8,13 +8,18 @@ import sys
 
 from ..errors import InputError
 from .arguments import Commands, add_unit, chosen_reflectances, folder
+from .outputs import output_folder
 
 
 def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("chart", help="chart accuracy against speed for all methods")
     parser.add_argument(
-        "--out", required=True, metavar="DIR", help="folder for the chart and its tables"
+        "--out",
+        required=True,
+        type=output_folder("chart.*", "eevee.csv"),
+        metavar="DIR",
+        help="folder for the chart and its tables",
     )
     parser.add_argument(
         "--skies",

@@ -10,12 +10,18 @@ from typing import Any
 from ..choices import BASES, BASIS
 from ..errors import InputError
 from .arguments import Commands, add_unit, chosen_reflectances, folder, positive
+from .outputs import output_folder
 
 
 def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("evaluate", help="errors over a day or under measured light")
-    parser.add_argument("--out", metavar="DIR", help="folder for figures and tables")
+    parser.add_argument(
+        "--out",
+        type=output_folder("table_*", "figure*", "daylight.*", "predicted.json"),
+        metavar="DIR",
+        help="folder for figures and tables",
+    )
     parser.add_argument(
         "--daylight",
         nargs="+",

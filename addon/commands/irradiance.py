@@ -7,6 +7,7 @@ import json
 
 from ..errors import InputError
 from .arguments import Commands, white_or_auto
+from .outputs import output
 
 
 def add(commands: Commands) -> None:
@@ -17,6 +18,7 @@ def add(commands: Commands) -> None:
     parser.add_argument("sky", metavar="HDRI")
     parser.add_argument(
         "--out",
+        type=output(".exr"),
         required=True,
         metavar="E.exr",
         help="lat-long image of irradiance / π over normals",
@@ -28,6 +30,7 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument(
         "--map",
+        type=output(".png"),
         metavar="MAP.png",
         help="map of the sky: sun yellow, ground gray, light that is not skylight magenta",
     )

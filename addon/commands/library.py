@@ -11,6 +11,7 @@ from typing import Any
 from ..choices import ORDERS, default
 from ..errors import InputError
 from .arguments import Commands, three
+from .outputs import output
 from .progress_bar import run_with_bar
 from .under_sky import add_sky_options, choose
 
@@ -31,7 +32,12 @@ def add(commands: Commands) -> None:
         help="only reflectances with all these words in name or source",
     )
     parser.add_argument("--sort", default=default(ORDERS), metavar="|".join(ORDERS))
-    parser.add_argument("--sheet", metavar="PICTURE.png", help="draw swatches of the matches")
+    parser.add_argument(
+        "--sheet",
+        type=output(".png"),
+        metavar="PICTURE.png",
+        help="draw swatches of the matches",
+    )
     parser.add_argument(
         "--near",
         metavar="R,G,B",

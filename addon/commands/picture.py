@@ -8,6 +8,7 @@ from typing import Any
 
 from ..errors import InputError
 from .arguments import Commands
+from .outputs import output
 from .under_sky import UnderSky, add_sky_options, choose
 
 
@@ -19,7 +20,7 @@ def add(commands: Commands) -> None:
         metavar="FILE.csv[:COLUMN]|SCENE.blend",
         help="one material: its reflectance and matrix; many: their errors under the sky",
     )
-    parser.add_argument("--out", required=True, metavar="PICTURE.png")
+    parser.add_argument("--out", required=True, type=output(".png"), metavar="PICTURE.png")
     parser.add_argument("--material", metavar="NAME", help="material of SCENE.blend; default: all")
     parser.add_argument("--theme", choices=("light", "dark"), default="light")
     parser.add_argument(

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import argparse
 import sys
+from pathlib import Path
 
 from ..choices import ENGINES
 from .arguments import Commands
+from .outputs import output
 
 
 def add(commands: Commands) -> None:
@@ -15,7 +17,7 @@ def add(commands: Commands) -> None:
         "render", help="render a .blend to an EXR and a PNG, without a window"
     )
     parser.add_argument("scene", metavar="SCENE.blend")
-    parser.add_argument("--out", required=True, metavar="FILE.exr")
+    parser.add_argument("--out", required=True, type=output(".exr", ".png"), metavar="FILE.exr")
     parser.add_argument("--camera", metavar="NAME", help="default: the scene's")
     parser.add_argument("--engine", choices=tuple(ENGINES), help="default: the scene's")
     parser.set_defaults(run=run)
@@ -28,6 +30,8 @@ def run(options: argparse.Namespace) -> None:
     from ..scene.output import render
 
     scene = blend_file.open_scene(options.scene)
+    for path in (Path(options.out), Path(options.out).with_suffix(".png")):
+        blend_file.check_unread(path)
     if found := rgb_comparison.shown_now():
         names = ", ".join(material.name for material in found[:5]) + (" …" if found[5:] else "")
         line = f"{names}: rendered as RGB × RGB, because the file was saved in comparison mode"

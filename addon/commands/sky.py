@@ -9,6 +9,7 @@ from typing import Any
 from ..choices import QUALITIES, default, described
 from ..errors import InputError
 from .arguments import Commands
+from .outputs import output
 
 
 def add(commands: Commands) -> None:
@@ -75,10 +76,14 @@ def add(commands: Commands) -> None:
         "--width", type=int, default=1024, help="width in pixels; the height is half of it"
     )
     parser.add_argument(
-        "--out", metavar="SKY.exr", help="HDRI in linear Rec.709; 1 is 10,000 cd/m²"
+        "--out",
+        type=output(".exr"),
+        metavar="SKY.exr",
+        help="HDRI in linear Rec.709; 1 is 10,000 cd/m²",
     )
     parser.add_argument(
         "--spectral",
+        type=output(".exr"),
         metavar="SPECTRAL.exr",
         help="spectral radiance in W m⁻² sr⁻¹ nm⁻¹, 81 channels",
     )

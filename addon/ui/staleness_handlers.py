@@ -11,6 +11,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .. import tags
+from .last_guard import handler as guarded
 
 _stale: dict[int, str] = {}  # by a material's session_uid, why it is
 _files: dict[int, tuple[str, str]] = {}  # the same, by what was found on disk, and for which hash
@@ -81,6 +82,7 @@ def _look_at(material: bpy.types.Material) -> None:
 
 
 @persistent
+@guarded
 def _changed(scene, depsgraph) -> None:
     global _moved
     for update in depsgraph.updates:
@@ -97,11 +99,13 @@ def _changed(scene, depsgraph) -> None:
 
 
 @persistent
+@guarded
 def _undone(*_) -> None:
     look()
 
 
 @persistent
+@guarded
 def _loaded(*_) -> None:
     _files.clear()
     found_bakes()
@@ -109,6 +113,7 @@ def _loaded(*_) -> None:
 
 
 @persistent
+@guarded
 def _written(*_) -> None:
     found = [material.name for material in bpy.data.materials if tags.SHOWS_RGB in material]
     if found:

@@ -47,6 +47,14 @@ def _absent(kind: str, name: str, known: list[str]) -> NoReturn:
     )
 
 
+def check_unread(path: Path) -> None:
+    """Raise InputError where the open file reads ``path``: a texture, a library or itself."""
+    for read in bpy.utils.blend_paths(absolute=True, packed=False, local=False):
+        other = Path(read)
+        if path.exists() and other.exists() and path.samefile(other):
+            raise InputError(path, "the scene reads this file", "choose another name")
+
+
 def save(path: str | Path) -> None:
     """Save the open file as ``path``, whole or not at all; the open file keeps its name.
 
