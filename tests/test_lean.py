@@ -67,7 +67,7 @@ def test_a_matrix_imports_numpy_and_no_more(paints):
 def test_a_command_imports_no_other_command(paints):
     _, imported = run("matrix", paints)
     commands = {name.split(".")[3] for name in imported if ".addon.commands." in name}
-    assert commands == {"matrix", "under_sky", "arguments"}
+    assert commands == {"matrix", "under_sky", "arguments", "outputs"}
 
 
 @pytest.mark.parametrize(
