@@ -21,6 +21,7 @@ BASE = {
     "bar",
     "choices",
     "errors",
+    "grouping",
     "progress",
     "source_hash",
     "tags",

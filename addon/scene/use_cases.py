@@ -24,8 +24,8 @@ from ..transfer.assignment import ESTIMATED, Assignment
 from ..transfer.assignment_table import read_table, table_files
 from ..transfer.white import AUTO, estimate_white, settle_white
 from ..whole_files import write_text
+from . import clear, scene_lighting
 from . import plan as planning
-from . import scene_lighting
 from .bake import scene_bake
 from .bake.light import SceneLight
 from .materials import base_color, eligibility, spectral_material
@@ -270,8 +270,8 @@ def given_before(materials: Iterable[bpy.types.Material]) -> dict[bpy.types.Mate
 
 
 def in_scene(scene: bpy.types.Scene) -> list[bpy.types.Material]:
-    """Return the managed materials on a scene's objects or under its World, each once."""
-    shown = spectral_material.materials_of(scene.objects)
+    """Return the managed materials that a scene shows or that its World lights, each once."""
+    shown = eligibility.materials_of(scene)
     under = spectral_material.managed_materials(scene.world) if scene.world else []
     return list(dict.fromkeys([*filter(spectral_material.is_managed, shown), *under]))
 
@@ -325,7 +325,13 @@ def remove(materials: Iterable[bpy.types.Material]) -> Outcome:
     return Outcome(skipped=skipped, lines=[f"{len(chosen)} material(s) restored"])
 
 
+def remove_all() -> Outcome:
+    """Take all of ours out of the file; raises as `editable` does, and nothing is removed then."""
+    found = remove(spectral_material.ours())
+    return replace(found, lines=[*found.lines, *clear.clear()])
+
+
 def light_lines(world: bpy.types.World | None) -> list[str]:
     """What shines on a World's materials, and what a picture must say; none before any."""
     found = light_group.record_of(world)
-    return [] if found is None else [*found.lights, found.caption]
+    return [] if found is None else [*found.lights, *found.warnings, found.caption]

@@ -70,15 +70,16 @@ def _write_material(plan: Plan, one: MaterialPlan, group: bpy.types.NodeTree) ->
 def _finish(plan: Plan, fresh: list[bpy.types.Material]) -> None:
     """Let everything else under the World follow its light, and keep what was found."""
     world, scenes = plan.world, lighting.scenes_of(plan.world)
-    warnings = _follow(plan, fresh)
+    lamps = plan.lights.lamps
+    warnings = _follow(plan, fresh) + list(lamps.left_out if lamps is not None else ())
     warnings += lighting.refresh(world)
     warnings += _not_shown(fresh)
     warnings += _relight(plan)
     warnings += glass_and_metal.refresh(scenes, plan.light, plan.choice.transfer)
     for scene in scenes:
         warnings += view_transform.refresh(scene, plan.record.level)
-    lines = [*plan.lights.lines, *warnings]
-    light_group.keep_record(world, replace(plan.record, lights=tuple(lines)))
+    told = {"lights": tuple(plan.lights.lines), "warnings": tuple(dict.fromkeys(warnings))}
+    light_group.keep_record(world, replace(plan.record, **told))
     merge_groups.merge()
 
 

@@ -23,7 +23,9 @@ its base color. Materials left alone are listed with the reason. Press Esc to st
 
     @classmethod
     def disabled_reason(cls, context):
-        found = any(obj.material_slots for obj in context.scene.objects)
+        from ..scene.materials import eligibility
+
+        found = eligibility.may_show_materials(context.scene)
         return operator.no_sky(context) or ("" if found else "No object has a material")
 
     def work(self, context):
@@ -39,7 +41,7 @@ its base color. Materials left alone are listed with the reason. Press Esc to st
         lines = [("WARNING", r.line) for r in done.results if r.out_of_gamut]
         lines += update.unbaked(context)
         lines += [("INFO", f"Left alone: {name}: {why}") for name, why in done.left]
-        return [*lines, ("INFO", operator.caption(context.scene.world)), ("INFO", done.line)]
+        return [*lines, *operator.of_light(context.scene.world), ("INFO", done.line)]
 
 
 CLASSES = (SKYLIGHT_OT_make_spectral,)

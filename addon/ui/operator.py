@@ -150,12 +150,14 @@ def no_sky(context: bpy.types.Context) -> str:
     return ""
 
 
-def caption(world: bpy.types.World) -> str:
-    """What a picture under a World must say as long as not all light is in it."""
+def of_light(world: bpy.types.World) -> list[tuple[str, str]]:
+    """What is left out of a World's light, and what a picture must say as long as not all is in."""
     from ..scene.world import light_group
 
     found = light_group.record_of(world)
-    return found.caption if found else ""
+    if found is None:
+        return []
+    return [*(("WARNING", line) for line in found.warnings), ("INFO", found.caption)]
 
 
 def browse(operator: bpy.types.Operator, context: bpy.types.Context) -> set[str]:

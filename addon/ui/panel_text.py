@@ -81,8 +81,11 @@ def lights(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     from ..scene.world import light_group
 
     found = light_group.record_of(context.scene.world)
-    for line in found.lights if found is not None else ():
-        paragraph(layout, context, line, "INFO")
+    if found is None:
+        return
+    for lines, icon in ((found.lights, "INFO"), (found.warnings, "ERROR")):
+        for line in lines:
+            paragraph(layout, context, line, icon)
 
 
 def material(

@@ -89,7 +89,7 @@ def test_a_frame_in_the_pane_is_told(scene):
     glass_and_metal.glaze(glass, PANE)
     use_cases.make_spectral(scene, {frame: Assignment("half", 0.5 * GREEN)}, SETTINGS)
     assert glass_and_metal.pass_through(scene) == [
-        '"Pane": glass and frame in one object shade the sun; separate them by material'
+        "Pane: glass and frame in one object shade the sun; separate them by material"
     ]
 
 

@@ -85,7 +85,7 @@ def find(world: bpy.types.World, lights: Lights, scene: bpy.types.Scene) -> Sour
         towards = worlds.in_world(sky, light.sun.direction)
         lamps.append(Direct(None, towards, bands.light(lights.sun.spectrum).astype(np.float32)))
     if lights.lamps is not None:
-        lamps += _lamps(scene, lights.lamps, bands, transfer, strength_of(world))
+        lamps += _lamps(lights.lamps, bands, transfer, strength_of(world))
     return Sources(transfer, bands, rgb, ground, below, lamps)
 
 
@@ -104,16 +104,15 @@ def _luminance(transfer: Transfer) -> NDArray[np.float64]:
     return np.maximum(weight, 0.0)
 
 
-def _lamps(scene, lamps: Lamps, bands, transfer, strength) -> list[Direct]:
+def _lamps(lamps: Lamps, bands, transfer, strength) -> list[Direct]:
     """The scene's own lamps, as Blender has their light (irradiance of power P at distance r:
     P / (4 pi r²); a sun's energy is irradiance)."""
     found = []
     sizes = luminance(lamps.colours, transfer) / max(strength, 1e-6)
-    for name, kind, size in zip(
-        lamps.names, lamps.classes.assignment.tolist(), sizes.tolist(), strict=True
+    for one, kind, size in zip(
+        lamps.shining, lamps.classes.assignment.tolist(), sizes.tolist(), strict=True
     ):
-        obj = scene.objects[name]
-        data, place = obj.data, np.array(obj.matrix_world)
+        data, place = one.lamp.data, one.matrix
         axis = -place[:3, 2] / max(np.linalg.norm(place[:3, 2]), 1e-12)
         spectrum = bands.light(lamps.classes.spectra[kind]) * size * data.energy
         if data.type == "SUN":

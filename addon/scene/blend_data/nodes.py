@@ -6,6 +6,9 @@ from collections.abc import Iterator
 
 import bpy
 
+DEEPEST = 8
+"""Groups inside of one another that are looked into."""
+
 
 def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
     """What feeds an input, seen through reroutes and muted nodes; None if nothing does."""
@@ -24,6 +27,34 @@ def source(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
         else:
             return link.from_socket
     return None
+
+
+MIXES = {"MIX_SHADER": (1, 2), "ADD_SHADER": (0, 1)}
+"""Shaders that mix others, and the inputs that those stand in."""
+
+
+def leaves(shader: bpy.types.NodeSocket | None) -> Iterator[bpy.types.Node]:
+    """The shaders that a shader mixes, itself if it mixes none."""
+    if shader is None:
+        return
+    parts = MIXES.get(shader.node.type)
+    if parts is None:
+        yield shader.node
+        return
+    for k in parts:
+        yield from leaves(source(shader.node.inputs[k]))
+
+
+def shaders(shader: bpy.types.NodeSocket | None, depth: int = 0) -> Iterator[bpy.types.Node]:
+    """The shaders that a shader mixes, a group's and those inside of it too."""
+    for node in leaves(shader):
+        yield node
+        if node.type != "GROUP" or node.node_tree is None or depth >= DEEPEST:
+            continue
+        for end in (each for each in node.node_tree.nodes if each.type == "GROUP_OUTPUT"):
+            for socket in end.inputs:
+                if socket.type == "SHADER":
+                    yield from shaders(source(socket), depth + 1)
 
 
 def use(owner: bpy.types.Material | bpy.types.World) -> None:

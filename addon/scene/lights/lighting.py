@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ....node_groups import light_probe
 from ....node_groups.skylight_surface import Features
 from ...choices import BAKED, DOME, OPEN
+from ...grouping import grouped
 from ...sky.direct_sun import SunLight, restored_sun
 from ...sky.dome import Dome, dome
 from ...sky.irradiance import fit_coefficients
@@ -233,21 +234,32 @@ def refresh(world: bpy.types.World) -> list[str]:
         if light_linking.find(scene) is None:
             continue
         light_linking.ensure(scene)
-        if names := [f'"{obj.name}"' for obj in light_linking.mixed(scene)]:
-            lines.append(
-                f"no sun on {', '.join(names[:5])}{' …' if names[5:] else ''}: the sun's lamp "
-                "would overexpose their materials that are not spectral"
-            )
+        burnt = light_linking.mixed(scene)
+        lines += grouped([(obj.name, _no_lamps(names)) for obj, names in burnt.items()], "object")
     return lines
+
+
+def _no_lamps(names: list[str]) -> str:
+    """Why an object with materials of these names beside spectral ones gets no sun."""
+    called = " and ".join(name or "faces without a material" for name in names[:2])
+    more = f" and {len(names) - 2} more" if names[2:] else ""
+    return (
+        f"no sun and no lamps, for they would overexpose {called}{more}, not spectral: make all "
+        "its materials spectral, or separate it by material"
+    )
 
 
 def remove(world: bpy.types.World) -> None:
     """Take our lamps out of all scenes of a World."""
-    parts = (sun_lamp.SUN, own_lamps.TWIN, dome_lamps.DOME, sun_lamp.TURN)
     for scene in scenes_of(world):
-        sun_lamp.remove(scene, parts)
-        view_transform.give_back(scene)
+        clear(scene)
     sun_lamp.release_threshold(world)
+
+
+def clear(scene: bpy.types.Scene) -> None:
+    """Take our lamps out of a scene, and our white off its view."""
+    sun_lamp.remove(scene, (sun_lamp.SUN, own_lamps.TWIN, dome_lamps.DOME, sun_lamp.TURN))
+    view_transform.give_back(scene)
 
 
 def scenes_of(world: bpy.types.World) -> list[bpy.types.Scene]:

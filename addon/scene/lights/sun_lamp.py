@@ -100,7 +100,8 @@ def new_lamp(
     light.exposure = 0.0
     lamp = bpy.data.objects.new(name, light)
     lamp[tags.LAMP] = part
-    lamp.light_linking.receiver_collection = light_linking.ensure(scene)
+    receivers = light_linking.find(scene) or light_linking.ensure(scene)
+    lamp.light_linking.receiver_collection = receivers
     lamp.hide_select = True
     # Cycles knows no specular factor: there it is the World that shines in gloss.
     lamp.visible_glossy = lamp.visible_transmission = lamp.visible_volume_scatter = False
@@ -134,14 +135,12 @@ def remove(scene: bpy.types.Scene, parts: Container[str]) -> None:
     if turn is not None and set(turn.children) <= set(gone):
         gone = [*(obj for obj in gone if obj != turn), turn]
     lights = [obj.data for obj in gone if obj.data is not None]
-    linked = light_linking.find(scene)
     bpy.data.batch_remove(gone)
     bpy.data.batch_remove([light for light in lights if light.users == 0])
     for child in list(scene.collection.children):
         if child.get(tags.LAMP) and not child.objects:
             bpy.data.collections.remove(child)
-    if linked is not None and all(light_linking.find(each) != linked for each in bpy.data.scenes):
-        bpy.data.collections.remove(linked)
+    light_linking.forget_unused()
     if SUN in parts:
         release_threshold(scene.world)
 

@@ -10,16 +10,20 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ....node_groups import light_probe
 from ....node_groups.drivers import drive
 from ... import tags
+from ...grouping import grouped
+from ...spectra.sensitivities import observer
 from ...spectra.working_spaces import LUMINANCE, rec709_to_working
 from ...transfer.lamps import Classes, classes, lamp_spectrum
 from ...transfer.matrices import Transfer
 from ...transfer.prefilter import balanced_rgb
-from . import sun_lamp
+from . import rendered_lamps, sun_lamp
+from .rendered_lamps import RenderedLamp
 
 TWIN = "twin"
 
@@ -39,12 +43,13 @@ def set_spectrum(light: bpy.types.Light, spectrum: str) -> None:
 
 @dataclass(frozen=True)
 class Lamps:
-    """The lamps of a scene: their ``names``, ``colours`` (k, 3) with which their energy counts, and
-    the ``classes`` of their spectra."""
+    """The lamps of a scene: where they ``shine``, ``colours`` (k, 3) with which their energy
+    counts, the ``classes`` of their spectra, and ``left_out``, lines on what is not carried."""
 
-    names: tuple[str, ...]
+    shining: tuple[RenderedLamp, ...]
     colours: NDArray[np.float64]
     classes: Classes
+    left_out: tuple[str, ...] = ()
 
 
 def find(scene: bpy.types.Scene, transfer: Transfer, rho: NDArray[np.float64]) -> Lamps | None:
@@ -53,23 +58,27 @@ def find(scene: bpy.types.Scene, transfer: Transfer, rho: NDArray[np.float64]) -
     ``rho`` (m, 81): the materials by which spectra are told apart. Raises InputError for a
     spectrum that cannot be read, with the lamp's name.
     """
-    shown = [
-        obj
-        for obj in scene.objects
-        if obj.type == "LIGHT" and tags.LAMP not in obj and not obj.hide_render
-        if obj.data.energy > 0.0
-    ]
-    if not shown:
+    shining = rendered_lamps.of_scene(scene)
+    if not shining:
         return None
-    colours = np.array([_colour(obj.data) for obj in shown])
-    spectra = []
-    for obj, colour in zip(shown, colours, strict=True):
-        given = obj.data.get(tags.LAMP_SPECTRUM)
+    spectra, colours, left_out = [], [], []
+    for one in shining:
+        light, nodes = one.lamp.data, rendered_lamps.nodes_of(one.lamp.data)
+        own = _colour(light)
+        if nodes.left_out:
+            left_out.append((one.lamp.name, f"shines without its nodes: {nodes.left_out}"))
+        given: str | NDArray[np.float64] = light.get(tags.LAMP_SPECTRUM) or ""
+        if not given and nodes.kelvin and np.ptp(own) < 1e-6 * own.max():
+            given = f"{nodes.kelvin:g}K"
+        colour = own * nodes.factor * _black_body(nodes.kelvin, transfer)
         spectra.append(lamp_spectrum(given or colour * transfer.neutral, transfer.space))
-    strengths = np.array([obj.data.energy for obj in shown]) * luminance(colours, transfer)
-    names = tuple(obj.name for obj in shown)
+        colours.append(colour)
+    energies = np.array([one.lamp.data.energy for one in shining])
+    strengths = energies * luminance(np.array(colours), transfer)
+    names = tuple(one.name for one in shining)
     reference = rho if len(rho) else np.full((1, 81), 0.5)
-    return Lamps(names, colours, classes(np.array(spectra), strengths, reference, names=names))
+    found = classes(np.array(spectra), strengths, reference, names=names)
+    return Lamps(tuple(shining), np.array(colours), found, tuple(grouped(left_out, "lamp")))
 
 
 def place(scene: bpy.types.Scene, lamps: Lamps, transfer: Transfer) -> None:
@@ -77,18 +86,39 @@ def place(scene: bpy.types.Scene, lamps: Lamps, transfer: Transfer) -> None:
     sun_lamp.remove(scene, (TWIN,))
     brightness = luminance(lamps.colours, transfer)
     kinds = lamps.classes.assignment.tolist()
-    for name, kind, Y in zip(lamps.names, kinds, brightness, strict=True):
-        lamp = scene.objects[name]
-        channel = 1 + kind
-        twin = sun_lamp.new_lamp(scene, f"Skylight {name}", lamp.data, TWIN, channel)
+    for one, kind, Y in zip(lamps.shining, kinds, brightness, strict=True):
+        lamp, channel = one.lamp, 1 + kind
+        twin = sun_lamp.new_lamp(scene, f"Skylight {lamp.name}", lamp.data, TWIN, channel)
         if hasattr(twin.data, "use_temperature"):
             twin.data.use_temperature = False
-        twin.constraints.new("COPY_TRANSFORMS").target = lamp
-        drive(twin.data, "energy", lamp.data, "energy", factor=light_probe.STRENGTH * Y)
+        _stand(twin, one)
+        drive(twin.data, "energy", lamp.data, "energy", factor=light_probe.STRENGTH * float(Y))
         for path in ("hide_render", "hide_viewport"):
             drive(twin, path, lamp, path)
         spectrum = lamps.classes.spectra[kind]
         sun_lamp.set_cycles_colour(twin, balanced_rgb(spectrum, transfer), channel)
+
+
+def _stand(twin: bpy.types.Object, one: RenderedLamp) -> None:
+    """Let a twin stand where its lamp is shown, and move with all that puts it there."""
+    follow = twin.constraints.new("COPY_TRANSFORMS")
+    follow.target = one.lamp
+    if one.fixed:
+        follow.enabled = False  # by it the lamp is known all the same
+        twin.matrix_world = Matrix(one.matrix.tolist())
+    for empty in reversed(one.through):
+        carried = twin.constraints.new("CHILD_OF")
+        carried.target = empty
+        offset = Matrix.Translation(-empty.instance_collection.instance_offset)
+        carried.inverse_matrix = offset
+
+
+def _black_body(kelvin: float, transfer: Transfer) -> NDArray[np.float64]:
+    """The colour of a Blackbody node, of luminance 1; white for 0."""
+    if not kelvin:
+        return np.ones(3)
+    rgb = observer(transfer.space) @ lamp_spectrum(kelvin)
+    return np.maximum(rgb / luminance(rgb, transfer), 1e-6)
 
 
 def _colour(light: bpy.types.Light) -> NDArray[np.float64]:

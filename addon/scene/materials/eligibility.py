@@ -6,8 +6,6 @@ reflectance that a base colour could tell. Only node trees are read; nothing cha
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-
 import bpy
 from bpy.types import Node
 from bpy.types import NodeSocket as Socket
@@ -40,6 +38,19 @@ def materials_of(scene: bpy.types.Scene) -> list[bpy.types.Material]:
     return list(dict.fromkeys([*spectral_material.materials_of(objects), *by_name]))
 
 
+def may_show_materials(scene: bpy.types.Scene) -> bool:
+    """Whether a scene's objects have materials, or instance or make what may have them.
+
+    Nothing is evaluated, so that a panel can ask at every redraw.
+    """
+    return any(
+        obj.material_slots
+        or obj.instance_type != "NONE"
+        or any(modifier.type in ("NODES", "PARTICLE_SYSTEM") for modifier in obj.modifiers)
+        for obj in scene.objects
+    )
+
+
 def reason(material: bpy.types.Material) -> str:
     """Why a material is left alone, empty where a reflectance can stand for its surface.
 
@@ -69,7 +80,7 @@ def reason_of(shader: Socket | None) -> str:
     """Why the shader that feeds an output is none to replace, empty where it is."""
     if shader is None:
         return "has no surface shader"
-    leaves = list(_leaves(shader))
+    leaves = list(nodes.shaders(shader))
     for why, holds in (
         ("is a holdout", lambda node: node.type == "HOLDOUT"),
         ("emits light", _shines),
@@ -91,22 +102,6 @@ def reason_of(shader: Socket | None) -> str:
     if shader_rewrite.colour_input(seen.targets[0]) is None:
         return f'its "{seen.targets[0].name}" has no base color to estimate a reflectance from'
     return ""
-
-
-def _leaves(shader: Socket | None, depth: int = 0) -> Iterator[Node]:
-    """The shaders that a shader mixes, those inside groups too."""
-    for node in shader_rewrite.leaves(shader):
-        yield node
-        if node.type == "GROUP" and node.node_tree is not None and depth < 8:
-            yield from _inside(node.node_tree, depth + 1)
-
-
-def _inside(tree: bpy.types.NodeTree, depth: int) -> Iterator[Node]:
-    ends: Iterable[Node] = (node for node in tree.nodes if node.type == "GROUP_OUTPUT")
-    for end in ends:
-        for socket in end.inputs:
-            if socket.type == "SHADER":
-                yield from _leaves(nodes.source(socket), depth)
 
 
 def _shines(node: Node) -> bool:

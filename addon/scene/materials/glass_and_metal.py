@@ -6,7 +6,7 @@ A pane tints what is seen through it. What lies behind it is lit through it by n
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 
 import bpy
 import numpy as np
@@ -16,6 +16,7 @@ from ....node_groups import glazing, gloss
 from ....node_groups import tree as groups
 from ... import tags
 from ...errors import InputError
+from ...grouping import grouped
 from ...sky.light import SkyLight
 from ...spectra.illuminants import D65
 from ...transfer.assignment import Assignment
@@ -23,6 +24,7 @@ from ...transfer.matrices import Transfer
 from ...transfer.metals import tints
 from ...transfer.prefilter import prefiltered
 from ..blend_data import drivers, nodes
+from ..lights import light_linking
 from . import material_outputs, rgb_comparison, saved_settings, shader_rewrite, spectral_material
 
 
@@ -123,28 +125,14 @@ def refresh(scenes: Iterable[bpy.types.Scene], light: SkyLight, transfer: Transf
 
 def pass_through(scene: bpy.types.Scene) -> list[str]:
     """Let our lamps in a scene shine through its panes, up to date; return warnings."""
-    lamps = [obj for obj in scene.objects if obj.type == "LIGHT" and tags.LAMP in obj]
-    held = next((c for c in bpy.data.collections if c.get(tags.PANES) == scene.name), None)
-    glass, parts = [], []
+    glass, parts = set(), []
     for obj in scene.objects:
         panes = [pane_node(slot.material) is not None for slot in obj.material_slots]
-        if any(panes):
-            (glass if all(panes) else parts).append(obj)
-    if held is not None:
-        bpy.data.collections.remove(held)
-    if glass and lamps:
-        held = bpy.data.collections.new("Skylight Panes")
-        held[tags.PANES] = scene.name
-        for obj in glass:
-            held.objects.link(obj)
-        for entry in held.collection_objects:
-            entry.light_linking.link_state = "EXCLUDE"
-        for lamp in lamps:
-            lamp.light_linking.blocker_collection = held
-    return list(_warned(parts)) if lamps else []
-
-
-def _warned(parts: list[bpy.types.Object]) -> Iterator[str]:
-    if parts:
-        names = ", ".join(f'"{obj.name}"' for obj in parts[:5]) + (" …" if parts[5:] else "")
-        yield f"{names}: glass and frame in one object shade the sun; separate them by material"
+        if all(panes) and panes:
+            glass.add(obj)
+        elif any(panes):
+            parts.append(obj.name)
+    light_linking.block(scene, glass)
+    shade = "glass and frame in one object shade the sun; separate them by material"
+    lamps = any(obj.type == "LIGHT" and tags.LAMP in obj for obj in scene.objects)
+    return grouped([(name, shade) for name in parts], "object") if lamps else []

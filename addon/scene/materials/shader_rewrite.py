@@ -22,7 +22,6 @@ from ... import tags
 from ..blend_data import drivers, nodes
 
 MATT = "matt"
-MIXES = {"MIX_SHADER": (1, 2), "ADD_SHADER": (0, 1)}
 BASES = {
     "BSDF_PRINCIPLED",
     "BSDF_DIFFUSE",
@@ -81,7 +80,7 @@ class Look:
 
 def read(shader: Socket | None) -> Look:
     """Read the shader that feeds an output (`nodes.source`), None if none does."""
-    mixed = list(leaves(shader))
+    mixed = list(nodes.leaves(shader))
     targets = tuple(n for n in mixed if n.type in BASES)
     targets = targets or tuple(n for n in mixed if n.type in METALS)
     glass = any(n.type in GLASSES or shows(n, "Transmission Weight") for n in mixed)
@@ -119,7 +118,7 @@ def dress(
     take = partial(drivers.take, material)
     normal = next((n for node in look.targets if (n := _normal(node)) is not None), None)
     if normal is None and look.shader is not None:
-        normal = next((n for node in leaves(look.shader) if (n := _normal(node))), None)
+        normal = next((n for node in nodes.leaves(look.shader) if (n := _normal(node))), None)
     if normal is not None:
         take(normal, surface.inputs["Normal"])
     if textured and look.colour is not None:
@@ -139,13 +138,13 @@ def dress(
         )
 
     def rebuilt(shader: Socket | None, name: str) -> Socket | None:
-        if shader is None or (shader.node not in dressed and shader.node.type not in MIXES):
+        if shader is None or (shader.node not in dressed and shader.node.type not in nodes.MIXES):
             return shader
         if shader.node in dressed:
             return dressed[shader.node][name]
         node = _add(tree, shader.node.bl_idname, "mix")
         node.location = surface.location.x + 220, surface.location.y
-        parts = MIXES[shader.node.type]
+        parts = nodes.MIXES[shader.node.type]
         for k, (old, new) in enumerate(zip(shader.node.inputs, node.inputs, strict=True)):
             if k not in parts:
                 take(old, new)
@@ -190,18 +189,6 @@ def set_metal(material: bpy.types.Material, facing: Sequence[float], edge: Seque
                 material.node_tree.links.remove(link)
             node.inputs[name].default_value = (*(float(part) for part in rgb), 1.0)
     return bool(found)
-
-
-def leaves(shader: Socket | None) -> Iterator[Node]:
-    """The shaders that a shader mixes, itself if it mixes none."""
-    if shader is None:
-        return
-    parts = MIXES.get(shader.node.type)
-    if parts is None:
-        yield shader.node
-        return
-    for k in parts:
-        yield from leaves(nodes.source(shader.node.inputs[k]))
 
 
 def _dress_leaf(

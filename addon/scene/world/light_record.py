@@ -17,8 +17,9 @@ class LightRecord:
     degree in words; ``settings``: `Settings.plain`; ``degree`` of the polynomial, and ``errors``
     that each degree leaves (``mean`` and ``worst``, fractions); ``upward``: RGB of the sky's light
     on level ground, ``level``: with the sun's, in the working space; ``spectrum`` (81,): the sky's
-    on level ground; ``notes`` and ``lights``: lines to read; ``caption``: what a picture must say;
-    ``rest``: what else `SkyLight.report` holds.
+    on level ground; ``notes`` and ``lights``: lines to read; ``warnings``: on what is left
+    out of the light; ``caption``: what a picture must say; ``rest``: what else
+    `SkyLight.report` holds.
     """
 
     image: str = ""
@@ -33,6 +34,7 @@ class LightRecord:
     spectrum: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
     lights: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     rest: Mapping[str, Any] = field(default_factory=dict)
 
     def to_json(self) -> str:
