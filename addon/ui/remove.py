@@ -8,7 +8,7 @@ from . import give, operator, targets
 
 
 class Remove(operator.Thin):
-    """What the three operators share. The chosen file stays with the material, to apply again."""
+    """What the two operators share. The chosen file stays with the material, to apply again."""
 
     def run(self, context):
         from ..scene import use_cases
@@ -48,22 +48,24 @@ class SKYLIGHT_OT_remove_selected(Remove, bpy.types.Operator):
         return targets.selected(context)
 
 
-class SKYLIGHT_OT_remove_all(Remove, bpy.types.Operator):
-    """Restore all materials of the file as they were before, in all scenes"""
+class SKYLIGHT_OT_remove_all(operator.Thin, bpy.types.Operator):
+    """Restore all materials and Worlds of the file, and remove bakes, lamps and settings of the \
+add-on. Files chosen for materials and spectra of lamps stay"""
 
     bl_idname = "skylight.remove_all"
     bl_label = "Remove from All"
 
     @classmethod
     def disabled_reason(cls, context):
-        from ..scene.materials import spectral_material
+        from ..scene import clear
 
-        return "" if spectral_material.ours() else "No material is spectral yet"
+        return "" if clear.is_anything_ours() else "No material is spectral yet"
 
-    def targets(self, context):
-        from ..scene.materials import spectral_material
+    def run(self, context):
+        from ..scene import use_cases
 
-        return spectral_material.ours()
+        found = use_cases.remove_all()
+        return [*give.warnings(found.skipped), *(("INFO", line) for line in found.lines)]
 
 
 CLASSES = (SKYLIGHT_OT_remove, SKYLIGHT_OT_remove_selected, SKYLIGHT_OT_remove_all)

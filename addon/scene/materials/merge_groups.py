@@ -10,7 +10,7 @@ import bpy
 from ....node_groups import glazing, gloss, skylight_surface, spectral_matrix, spectral_texture
 from ....node_groups import tree as groups
 from ..lights import lighting
-from ..world import light_group
+from ..world import light_group, own_worlds
 
 SHARED: dict[str, Callable[[], bpy.types.NodeTree]] = {
     spectral_matrix.KIND: spectral_matrix.ensure,
@@ -25,7 +25,7 @@ def merge() -> None:
     """Let all nodes of this file show one group of each shared kind, at its version.
 
     Links and values stay. Groups of Worlds that light no scene and no material leave, and what
-    nothing shows with them.
+    nothing shows with them; so do Worlds that we made.
     """
     kinds = [tree[groups.KIND] for tree in bpy.data.node_groups if groups.KIND in tree]
     several = {kind for kind in SHARED if kinds.count(kind) > 1}
@@ -40,6 +40,7 @@ def merge() -> None:
                 lighting.remove(world)
             light_group.remove(surface)
     groups.prune(skylight_surface.KIND)
+    own_worlds.remove_unused()
 
 
 def _own_trees() -> Iterator[bpy.types.NodeTree]:

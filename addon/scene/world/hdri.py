@@ -13,7 +13,7 @@ from ....node_groups import spectral_matrix
 from ....node_groups import tree as groups
 from ...errors import InputError
 from ..blend_data import nodes, working_space
-from . import sky_image
+from . import own_worlds, sky_image
 
 CURE = "connect an equirectangular Environment Texture directly to the World's Background"
 
@@ -151,15 +151,18 @@ def set_sky(scene: bpy.types.Scene, path: str | Path, raw: bool = False) -> bpy.
     """Light a scene by an HDRI file and return its World.
 
     The scene's World is kept where its image shows that file already. Otherwise the scene gets a
-    new one; the user's own is never edited. A ``raw`` file's numbers are a camera's: Blender must
-    not convert them, so a newly loaded image is tagged Non-Color. Raises InputError if the file is
-    no sky, as `sky.panorama.read_panorama` does.
+    new one; the user's own is never edited, and `own_worlds.give_back` brings it back. A ``raw``
+    file's numbers are a camera's: Blender must not convert them, so a newly loaded image is tagged
+    Non-Color. Raises InputError if the file is no sky, as `sky.panorama.read_panorama` does.
     """
     path = Path(path).resolve()
     shown = None if scene.world is None else sky_of(scene.world).image
     image = sky_image.load(path, raw, shown)
     if image != shown:
-        scene.world = _new_world(image)
+        new = _new_world(image)
+        own_worlds.take_place(new, scene.world)
+        scene.world = new
+        own_worlds.remove_unused()
     return scene.world
 
 
@@ -188,6 +191,7 @@ def develop(scene: bpy.types.Scene, matrix) -> bpy.types.World:
             "set its Color Space to Non-Color",
         )
     scene.world = _with_matrix(scene.world, matrix)
+    own_worlds.remove_unused()
     return scene.world
 
 
@@ -220,8 +224,9 @@ def _with_matrix(world: bpy.types.World, matrix) -> bpy.types.World:
     """The World, or a copy of it where it has none yet, with this matrix before its Background."""
     node = _matrix_node(world)
     if node is None:
-        sky = sky_of(world)
-        world = world.copy()
+        sky, before = sky_of(world), world
+        world = before.copy()
+        own_worlds.take_place(world, before)
         tree = world.node_tree
         texture, background = tree.nodes[sky.texture], tree.nodes[sky.background]
         node = groups.add(
