@@ -13,7 +13,7 @@ from .. import tags
 from .bake import scene_bake
 from .lights import lighting
 from .materials import spectral_material
-from .world import own_worlds
+from .world import hdri, own_worlds
 
 OF_SCENES = (tags.LEFT_ALONE, tags.UNBAKED)
 OF_WORLDS = (tags.SETTINGS,)
@@ -24,7 +24,7 @@ def is_anything_ours() -> bool:
     return (
         bool(spectral_material.ours())
         or any(groups.KIND in tree for tree in bpy.data.node_groups)
-        or any(tags.OWN_WORLD in world for world in bpy.data.worlds)
+        or any(tags.WORLD_BEFORE in world for world in bpy.data.worlds)
         or any(tag in scene for scene in bpy.data.scenes for tag in OF_SCENES)
     )
 
@@ -46,6 +46,8 @@ def clear() -> list[str]:
     for world in bpy.data.worlds:
         for tag in OF_WORLDS if world.is_editable else ():
             world.pop(tag, None)
+        if tags.OWN_WORLD in world:
+            hdri.undevelop(world)
     _remove_groups()
     if back := own_worlds.give_back():
         lines.append(f"{back} scene(s) lit by their own World again")

@@ -32,7 +32,7 @@ from .materials import base_color, eligibility, spectral_material
 from .materials.assigned import assigned, in_file
 from .materials.record import Result
 from .plan import Assignments
-from .world import hdri, light_group, panorama
+from .world import hdri, light_group, own_worlds, panorama
 from .world.settings import Settings
 from .write import write
 
@@ -82,7 +82,9 @@ def set_sky(scene: bpy.types.Scene, path: str | Path, settings: Settings) -> bpy
     """
     settings.transfer()
     hdri.set_sky(scene, path, raw=settings.camera is not None)
-    return develop(scene, settings)
+    world = develop(scene, settings)
+    own_worlds.remove_unused()
+    return world
 
 
 def load_sky(scene: bpy.types.Scene, path: str | Path, settings: Settings) -> Outcome:

@@ -78,8 +78,10 @@ def _finish(plan: Plan, fresh: list[bpy.types.Material]) -> None:
     warnings += glass_and_metal.refresh(scenes, plan.light, plan.choice.transfer)
     for scene in scenes:
         warnings += view_transform.refresh(scene, plan.record.level)
-    told = {"lights": tuple(plan.lights.lines), "warnings": tuple(dict.fromkeys(warnings))}
-    light_group.keep_record(world, replace(plan.record, **told))
+    record = replace(
+        plan.record, lights=tuple(plan.lights.lines), warnings=tuple(dict.fromkeys(warnings))
+    )
+    light_group.keep_record(world, record)
     merge_groups.merge()
 
 

@@ -127,14 +127,18 @@ def test_a_world_chosen_since_stays(scene, tmp_path):
     assert scene.world.name == "Noon" and "Skylight" not in bpy.data.worlds
 
 
-def test_a_scene_without_a_world_has_none_again(scene, tmp_path):
+def test_a_scene_without_a_world_keeps_the_sky(scene, tmp_path):
+    """Without it all would be black: it is the user's from then on, and nothing on it is ours."""
     scene.world = None
     bpy.data.worlds.remove(bpy.data.worlds["Dusk"])
-    before = whole()
+    before = whole()[0]
     use_cases.load_sky(scene, sky(tmp_path, 1), Settings(occlusion="open"))
-    assert clear.is_anything_ours()
+    use_cases.make_spectral(scene, {bpy.data.materials["Paint"]: GREY}, Settings(occlusion="open"))
     use_cases.remove_all()
-    assert scene.world is None and whole() == before
+    assert scene.world.name == "Skylight"
+    own = {"worlds": {"Skylight"}, "images": {"sky1.exr"}}
+    assert whole() == ({**before, **own}, set())
+    assert not clear.is_anything_ours()
 
 
 @pytest.mark.parametrize("occlusion", ["open", "dome", "baked"])

@@ -162,7 +162,6 @@ def set_sky(scene: bpy.types.Scene, path: str | Path, raw: bool = False) -> bpy.
         new = _new_world(image)
         own_worlds.take_place(new, scene.world)
         scene.world = new
-        own_worlds.remove_unused()
     return scene.world
 
 
@@ -191,8 +190,20 @@ def develop(scene: bpy.types.Scene, matrix) -> bpy.types.World:
             "set its Color Space to Non-Color",
         )
     scene.world = _with_matrix(scene.world, matrix)
-    own_worlds.remove_unused()
     return scene.world
+
+
+def undevelop(world: bpy.types.World) -> None:
+    """Take the matrix of `develop` off a World: its Background shows the texture's own numbers."""
+    node = _matrix_node(world)
+    if node is None:
+        return
+    tree = world.node_tree
+    texture = nodes.source(node.inputs["Color"])
+    for link in list(node.outputs[0].links):
+        if texture is not None:
+            tree.links.new(texture, link.to_socket)
+    tree.nodes.remove(node)
 
 
 def _new_world(image: bpy.types.Image) -> bpy.types.World:

@@ -30,13 +30,18 @@ def behind(world: bpy.types.World | None) -> bpy.types.World | None:
 def give_back() -> int:
     """Light the file's scenes by their own Worlds again, take ours away and count the scenes.
 
-    The images that only ours have shown leave with them.
+    The images that only ours have shown leave with them. A World of ours that took no other's place
+    is the user's from now on: without it the scene would be dark.
     """
     count = 0
-    for scene in bpy.data.scenes:
-        if scene.is_editable and scene.world is not None and tags.OWN_WORLD in scene.world:
-            scene.world = behind(scene.world)
+    for scene in [each for each in bpy.data.scenes if each.is_editable]:
+        before = behind(scene.world)
+        if before is not None and before != scene.world:
+            scene.world = before
             count += 1
+    for world in [each for each in bpy.data.worlds if tags.OWN_WORLD in each and each.users]:
+        if behind(world) is None:
+            del world[tags.OWN_WORLD]
     remove_unused()
     return count
 
