@@ -69,16 +69,21 @@ def offered_bases() -> Choices:
     return {SIMPLEST: chosen, **BASES}
 
 
-OPEN, DOME, BAKED = "open", "dome", "baked"
+AUTO, OPEN, DOME, BAKED = "auto", "open", "dome", "baked"
 
 OCCLUSIONS: Choices = {
+    AUTO: Entry(
+        "All Light",
+        "Each place gets all its light, reflected light too, in Eevee and Cycles. It is baked when "
+        "materials become spectral, and in Blender's window again after every change",
+    ),
     OPEN: Entry("Open Sky", "The whole sky lights every face; only the sun casts shadows"),
     DOME: Entry(
         "Live", "24 soft sun lamps cast the sky's shadows in Eevee, also of moving objects"
     ),
     BAKED: Entry(
         "Baked",
-        "Each vertex stores all light that it gets, reflected light too, in Eevee and Cycles",
+        "All light, baked only when it is asked for",
     ),
 }
 """How geometry that hides the sky darkens materials."""

@@ -22,6 +22,7 @@ from .ui import (
     drop,
     everything,
     explain,
+    follow,
     last_guard,
     library,
     load_sky,
@@ -49,6 +50,7 @@ MODULES = (
     bake,
     remove,
     explain,
+    follow,
     view,
     panels,
     library,
@@ -72,7 +74,7 @@ def register() -> None:
         for cls in CLASSES:
             bpy.utils.register_class(last_guard.guarded(cls))
             _undo.append(partial(bpy.utils.unregister_class, cls))
-        for module in (properties, library, batch, menu, staleness_handlers):
+        for module in (properties, library, batch, menu, follow, staleness_handlers):
             module.attach()
             _undo.append(module.detach)
         _undo.append(preview_cache.clear)

@@ -40,7 +40,7 @@ REFEREE_SAMPLES = 32
 OPTIONS = {
     # Nothing stands beside the checker's spheres: the sky as it is, its lower half too.
     "checker": ("--occlusion", "open", "--ground", "hdri"),
-    "building": ("--occlusion", "baked", "--bounce"),
+    "building": (),
 }
 """Of `apply`, by scene."""
 

@@ -130,7 +130,7 @@ def test_the_panel_has_a_new_basis_and_occlusion():
 
 def test_the_command_line_has_a_new_occlusion():
     said = " ".join(run(CLI, "apply", "--help").split())
-    assert "{open,dome,baked,fog}" in said and "fog: Fog hides the sky" in said
+    assert "{auto,open,dome,baked,fog}" in said and "fog: Fog hides the sky" in said
     parse = """
     from spectral_skylight.addon import cli
     options = ["apply", "a.blend", "--out", "b.blend", "--occlusion", "fog"]
@@ -156,7 +156,7 @@ def test_a_study_has_a_new_occlusion_and_basis(folder):
     pytest.importorskip("pvlib")
     assert run(STUDY, folder / "study.toml").splitlines() == [
         "fog clouds",
-        "open, dome, baked or fog",
+        "auto, open, dome, baked or fog",
         "simplest, rayleigh, daylight, atmosphere or clouds; atmosphere",
     ]
 

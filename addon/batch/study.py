@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ..choices import (
+    AUTO,
     BAKED,
     BASIS,
     ENGINES,
@@ -172,8 +173,8 @@ def _settings(table: Table) -> dict[str, Any]:
         "basis": table.text("basis", BASIS),
         "tolerance": table.number("tolerance", 1e-6, 100.0, None),
     }
-    if found["bounce"] and found["occlusion"] != BAKED:
-        table.wrong("bounce", 'needs baked sky shadows: add occlusion = "baked"')
+    if found["bounce"] and found["occlusion"] not in (AUTO, BAKED):
+        table.wrong("bounce", 'needs all light: omit occlusion, or give "auto"')
     return found
 
 

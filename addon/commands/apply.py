@@ -91,12 +91,12 @@ def add(commands: Commands) -> None:
         "--occlusion",
         choices=tuple(OCCLUSIONS),
         default=default(OCCLUSIONS),
-        help=f"sky shadows. {described(OCCLUSIONS)}",
+        help=f"light and shadows. {described(OCCLUSIONS)}",
     )
     parser.add_argument(
         "--bounce",
         action="store_true",
-        help="reflected light, which baked sky shadows always include",
+        help="every bounce between surfaces, which auto and baked always include",
     )
     parser.add_argument(
         "--gloss",
@@ -126,8 +126,8 @@ def _settings(options: argparse.Namespace) -> Settings:
     from ..scene.world.settings import Settings
     from ..transfer.white import AUTO
 
-    if options.bounce and options.occlusion != BAKED:
-        raise InputError("--bounce", "needs baked sky shadows", "add --occlusion baked")
+    if options.bounce and options.occlusion not in (AUTO, BAKED):
+        raise InputError("--bounce", "needs all light", "omit --occlusion, or give auto")
     return Settings(
         basis=basis_name(options),
         camera=options.camera,
@@ -213,5 +213,5 @@ def run(options: argparse.Namespace) -> None:
     for result in found.results:
         print(result.line)
     notes = found.light.notes if found.light is not None else []
-    for line in (*lines, *found.lines, *notes, *use_cases.light_lines(scene.world)):
+    for line in (*lines, *found.lines, *notes, *use_cases.light_lines(scene)):
         print(line)

@@ -10,8 +10,12 @@ from .. import tags
 from ..choices import BAKED
 from ..transfer.assignment import ESTIMATED
 from .bake import scene_bake
+from .lights import lighting
 from .materials import base_color, spectral_material
+from .world import light_group
 from .world.settings import Settings, stored
+
+NOT_BAKED = "no light is baked yet: the open sky lights every face"
 
 
 def colour(material: bpy.types.Material) -> str:
@@ -38,11 +42,26 @@ def look_at_bakes(scene: bpy.types.Scene) -> list[str]:
     return names
 
 
+def all_baked(scene: bpy.types.Scene) -> None:
+    """Keep that every bake of a scene is new, as after a bake of all."""
+    scene[tags.UNBAKED] = "[]"
+
+
 def are_shown(scene: bpy.types.Scene) -> bool:
     """Whether a scene's materials show bakes."""
-    return scene.world is not None and (stored(scene.world) or Settings()).occlusion == BAKED
+    return scene.world is not None and (stored(scene.world) or Settings()).shadows == BAKED
 
 
 def unbaked(scene: bpy.types.Scene) -> list[str]:
     """What `look_at_bakes` kept."""
     return json.loads(scene.get(tags.UNBAKED, "[]"))
+
+
+def caption(scene: bpy.types.Scene) -> str:
+    """What a picture of a scene must say of its light; empty before any material is spectral."""
+    found = light_group.record_of(scene.world)
+    if found is None:
+        return ""
+    if are_shown(scene) and not scene_bake.baked():
+        return found.caption.replace(lighting.BAKED_LIGHT, NOT_BAKED)
+    return found.caption

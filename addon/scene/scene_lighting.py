@@ -41,19 +41,17 @@ def find(
     return lighting.find(
         light,
         transfer,
-        lamps=user_lamps.find(scene, transfer, rho)
-        if scene and settings.occlusion != DOME
-        else None,
+        lamps=user_lamps.find(scene, transfer, rho) if scene and settings.shadows != DOME else None,
         with_sun=settings.sun,
         ground=_ground(scene, known, settings),
-        occlusion=settings.occlusion,
+        occlusion=settings.shadows,
     )
 
 
 def _ground(scene, known, settings):
     """Return one of `transfer.ground.CHOICES`, or the reflectance (81,) of what lies below."""
     automatic = settings.ground == AUTO
-    if automatic and (settings.occlusion == BAKED or scene is None):
+    if automatic and (settings.shadows == BAKED or scene is None):
         return "hdri"  # of which a bake knows how much geometry hides
     if scene is None or not (automatic or settings.ground == "modelled"):
         return settings.ground

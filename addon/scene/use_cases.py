@@ -24,17 +24,18 @@ from ..transfer.assignment import ESTIMATED, Assignment
 from ..transfer.assignment_table import read_table, table_files
 from ..transfer.white import AUTO, estimate_white, settle_white
 from ..whole_files import write_text
-from . import clear, scene_lighting
+from . import clear, out_of_date, scene_lighting
 from . import plan as planning
-from .bake import scene_bake
+from .bake import scene_bake, session
 from .bake.light import SceneLight
+from .lights import lighting
 from .materials import base_color, eligibility, spectral_material
 from .materials.assigned import assigned, in_file
 from .materials.record import Result
 from .plan import Assignments
 from .world import hdri, light_group, own_worlds, panorama
 from .world.settings import Settings
-from .write import write
+from .write import relighting, write
 
 
 @dataclass(frozen=True)
@@ -131,26 +132,25 @@ def make_spectral(scene: bpy.types.Scene, given: Assignments, settings: Settings
 def making_spectral(
     scene: bpy.types.Scene, given: Assignments, settings: Settings
 ) -> Generator[Progress, None, Outcome]:
-    """Do as `make_spectral` does, yielding after each material."""
+    """Do as `make_spectral` does, yielding after each material; what is baked is lit anew."""
     planning.check(given)  # before the World is touched
     plan = planning.make(develop(scene, settings), given, settings)
     results = yield from write(plan)
-    return Outcome(plan.light, results)
+    return Outcome(plan.light, results, lines=(yield from relighting(plan)))
 
 
 def making_spectral_with_all_light(
     scene: bpy.types.Scene, given: Assignments, settings: Settings
 ) -> Generator[Progress, None, Outcome]:
-    """Give materials what they are assigned, and bake where settings ask for it.
+    """Give materials what they are assigned, and bake all light where settings ask for it.
 
     Raises InputError as `make_spectral` does.
     """
     found = yield from making_spectral(scene, given, settings)
-    if settings.occlusion != BAKED:
+    if settings.shadows != BAKED:
         return found
     lines = yield from bake(scene, settings)
-    surfaces = [material for material, one in given.items() if not one.faces]
-    return replace(update(scene, settings, surfaces), lines=lines)
+    return replace(found, lines=[*found.lines, *lines])
 
 
 def make_everything_spectral(
@@ -310,12 +310,35 @@ def bake(
     ``objects``: None for all of its managed ones; ``options``: those of `scene_bake.bake`. Returns
     lines to read. Raises InputError as `analyzed` does.
     """
+    shining = _shining(scene, settings)
+    try:
+        return (yield from scene_bake.bake(objects, light=shining, **options))
+    finally:
+        lighting.refresh(scene.world)  # lamps shine on what stands in for instances, too
+
+
+def following(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress, None, list[str]]:
+    """Let materials and all light follow what has changed in the active scene; returns lines.
+
+    Nothing is done where nothing has. Raises InputError as `update` does.
+    """
+    lines: list[str] = []
+    if not session.is_lit_by(_shining(scene, settings)):
+        chosen, lines = editable(in_scene(scene))
+        plan = planning.make(develop(scene, settings), given_before(chosen), settings)
+        yield from write(plan)
+        if not scene_bake.stale():
+            lines += yield from relighting(plan)
+    return lines + (yield from bake(scene, settings))
+
+
+def _shining(scene: bpy.types.Scene, settings: Settings) -> SceneLight:
+    """What shines on a scene now."""
     world = scene.world
     light = analyzed(world, settings)
     assert world is not None  # else it had raised
     found = scene_lighting.find(world, light, settings.transfer(light), settings, {})
-    shining = SceneLight(world, found, scene)
-    return (yield from scene_bake.bake(objects, light=shining, **options))
+    return SceneLight(world, found, scene)
 
 
 def remove(materials: Iterable[bpy.types.Material]) -> Outcome:
@@ -333,7 +356,7 @@ def remove_all() -> Outcome:
     return replace(found, lines=[*found.lines, *clear.clear()])
 
 
-def light_lines(world: bpy.types.World | None) -> list[str]:
-    """What shines on a World's materials, and what a picture must say; none before any."""
-    found = light_group.record_of(world)
-    return [] if found is None else [*found.lights, *found.warnings, found.caption]
+def light_lines(scene: bpy.types.Scene) -> list[str]:
+    """What shines on a scene's materials, and what a picture must say; none before any."""
+    found = light_group.record_of(scene.world)
+    return [] if found is None else [*found.lights, *found.warnings, out_of_date.caption(scene)]

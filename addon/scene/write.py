@@ -74,7 +74,6 @@ def _finish(plan: Plan, fresh: list[bpy.types.Material]) -> None:
     warnings = _follow(plan, fresh) + list(lamps.left_out if lamps is not None else ())
     warnings += lighting.refresh(world)
     warnings += _not_shown(fresh)
-    warnings += _relight(plan)
     warnings += glass_and_metal.refresh(scenes, plan.light, plan.choice.transfer)
     for scene in scenes:
         warnings += view_transform.refresh(scene, plan.record.level)
@@ -85,12 +84,12 @@ def _finish(plan: Plan, fresh: list[bpy.types.Material]) -> None:
     merge_groups.merge()
 
 
-def _relight(plan: Plan) -> list[str]:
-    """Cast the light on what is baked in the active scene; return lines to say."""
+def relighting(plan: Plan) -> Generator[Progress, None, list[str]]:
+    """Cast a plan's light on what is baked in the active scene; returns lines to say."""
     scene = bpy.context.scene
     if plan.lights.occlusion != BAKED or scene.world != plan.world or not scene_bake.baked():
         return []
-    return scene_bake.relight(SceneLight(plan.world, plan.lights, scene))
+    return (yield from scene_bake.relighting(SceneLight(plan.world, plan.lights, scene)))
 
 
 def _follow(plan: Plan, fresh: list[bpy.types.Material]) -> list[str]:

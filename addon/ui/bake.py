@@ -4,7 +4,7 @@
 
 import bpy
 
-from ..choices import BAKED
+from ..choices import AUTO, BAKED
 from . import operator, properties, update
 
 
@@ -12,7 +12,7 @@ class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
     """Compute direct and reflected light on each vertex of spectral materials. Press Esc to stop"""
 
     bl_idname = "skylight.bake"
-    bl_label = "Bake Sky Shadows"
+    bl_label = "Bake Light"
     doing = "Baking"
 
     selected: bpy.props.BoolProperty(name="Selected Only", description="Bake only selected objects")
@@ -52,7 +52,10 @@ class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
         told = ended if done is None else [("INFO", line) for line in done]
         if not scene_bake.baked():
             return told
-        context.scene.world.skylight.occlusion = BAKED
+        numbers = context.scene.world.skylight
+        if numbers.occlusion == AUTO:
+            return [*told, *update.unbaked(context)]
+        numbers.occlusion = BAKED
         return [*told, *update.update(context)]
 
 

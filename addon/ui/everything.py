@@ -4,6 +4,8 @@
 
 import bpy
 
+from ..choices import BAKED
+from ..progress import run
 from . import choice, operator, properties, update
 
 
@@ -28,6 +30,16 @@ its base color. Materials left alone are listed with the reason. Press Esc to st
         found = eligibility.may_show_materials(context.scene)
         return operator.no_sky(context) or ("" if found else "No object has a material")
 
+    def run(self, context):
+        from ..scene import use_cases
+
+        done = super().run(context)
+        settings = properties.settings_of(context.scene.world)
+        if settings.shadows != BAKED or not use_cases.in_scene(context.scene):
+            return done
+        # A script waits for the light; in a window it comes between events, see `follow`.
+        return [*(("INFO", line) for line in run(use_cases.bake(context.scene, settings))), *done]
+
     def work(self, context):
         from ..scene import use_cases
 
@@ -39,9 +51,10 @@ its base color. Materials left alone are listed with the reason. Press Esc to st
         if done is None:
             return [("WARNING", "Stopped: the materials so far are spectral")]
         lines = [("WARNING", r.line) for r in done.results if r.out_of_gamut]
-        lines += update.unbaked(context)
+        if properties.settings_of(context.scene.world).occlusion == BAKED:
+            lines += update.unbaked(context)
         lines += [("INFO", f"Left alone: {name}: {why}") for name, why in done.left]
-        return [*lines, *operator.of_light(context.scene.world), ("INFO", done.line)]
+        return [*lines, *operator.of_light(context.scene), ("INFO", done.line)]
 
 
 CLASSES = (SKYLIGHT_OT_make_spectral,)

@@ -28,7 +28,7 @@ def give(context: bpy.types.Context, chosen: Mapping[bpy.types.Material, Chosen]
         settings = properties.settings_of(context.scene.world)
         found = use_cases.make_spectral(context.scene, read, settings)
         lines += [("WARNING" if r.out_of_gamut else "INFO", r.line) for r in found.results]
-        lines += operator.of_light(context.scene.world)
+        lines += operator.of_light(context.scene)
     for material, one in chosen.items():
         keep(material.skylight, one, read[material].column)
     return lines

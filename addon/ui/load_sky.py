@@ -31,7 +31,7 @@ class SKYLIGHT_OT_load_sky(operator.Thin, bpy.types.Operator):
         count = f", {len(found.results)} material(s) updated" if found.results else ""
         name = "" if found.light is None else found.light.name
         lines = [*give.warnings(found.skipped), ("INFO", f"Sky: {name}{count}")]
-        return [*lines, *operator.of_light(scene.world)]
+        return [*lines, *operator.of_light(scene)]
 
 
 CLASSES = (SKYLIGHT_OT_load_sky,)

@@ -150,14 +150,15 @@ def no_sky(context: bpy.types.Context) -> str:
     return ""
 
 
-def of_light(world: bpy.types.World) -> list[tuple[str, str]]:
-    """What is left out of a World's light, and what a picture must say as long as not all is in."""
+def of_light(scene: bpy.types.Scene) -> list[tuple[str, str]]:
+    """What is left out of a scene's light, and what a picture must say as long as not all is in."""
+    from ..scene import out_of_date
     from ..scene.world import light_group
 
-    found = light_group.record_of(world)
+    found = light_group.record_of(scene.world)
     if found is None:
         return []
-    return [*(("WARNING", line) for line in found.warnings), ("INFO", found.caption)]
+    return [*(("WARNING", line) for line in found.warnings), ("INFO", out_of_date.caption(scene))]
 
 
 def browse(operator: bpy.types.Operator, context: bpy.types.Context) -> set[str]:

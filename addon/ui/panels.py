@@ -5,7 +5,7 @@ Sky · Materials · Result. What is rarely needed stands in a closed panel under
 
 import bpy
 
-from ..choices import BAKED
+from ..choices import AUTO, BAKED
 from . import material_panel, panel_text, result, targets
 
 
@@ -68,7 +68,7 @@ class SKYLIGHT_PT_light(OfWorld, bpy.types.Panel):
         numbers = context.scene.world.skylight
         layout.prop(numbers, "sun")
         layout.prop(numbers, "occlusion")
-        if numbers.occlusion == BAKED:
+        if numbers.occlusion in (AUTO, BAKED):
             row = layout.row(align=True)
             row.operator("skylight.bake")
             row.operator("skylight.remove_bakes", text="", icon="X")

@@ -7,7 +7,8 @@ import math
 import bpy
 
 from .. import tags
-from . import staleness_handlers
+from ..choices import BAKED
+from . import follow, staleness_handlers
 from .panel_text import paragraph
 
 ROWS = 50
@@ -39,14 +40,34 @@ def problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         )
     if found:
         paragraph(layout, context, "Press Make Everything Spectral to update it")
+    if light(layout):
+        return
     if names := out_of_date.unbaked(context.scene):
         text = f"Not baked, or changed since: {_some(names)}"
         paragraph(layout, context, text, "ERROR")
         layout.operator("skylight.bake")
-    elif staleness_handlers.moved() and out_of_date.are_shown(context.scene):
+    elif staleness_handlers.moved() and _is_by_hand(context):
         paragraph(
             layout, context, "Objects have changed. Press Update to find outdated bakes", "INFO"
         )
+
+
+def light(layout: bpy.types.UILayout) -> bool:
+    """How far the light is, with a button that ends it; False where none is being computed."""
+    current = follow.work()
+    if current is None and not follow.waiting():
+        for line in follow.lines():
+            layout.label(text=line)
+        return False
+    row = layout.row(align=True)
+    if current is None:
+        row.progress(factor=0.0, text="All light: waiting for you to pause")
+    else:
+        left = f", {current.left:.0f} s left" if current.left >= 1.0 else ""
+        done = current.progress.done
+        row.progress(factor=done, text=f"All light: {100 * done:.0f} %{left}")
+    row.operator("skylight.stop_light", text="", icon="CANCEL")
+    return True
 
 
 def left_alone(context: bpy.types.Context) -> list[tuple[str, str]]:
@@ -96,14 +117,13 @@ def view(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 def caption(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """What light is in the picture."""
-    from ..scene.world import light_group
+    from ..scene import out_of_date
 
-    world = context.scene.world
-    found = light_group.record_of(world)
-    if found is None:
+    found = out_of_date.caption(context.scene)
+    if not found:
         layout.label(text="No material is spectral under this sky yet")
         return
-    for sentence in found.caption.split("; "):
+    for sentence in found.split("; "):
         paragraph(layout, context, sentence, "INFO")
 
 
@@ -150,6 +170,12 @@ def row(layout: bpy.types.UILayout, shown: bpy.types.Material) -> None:
     if result.out_of_gamut:
         text += ", clamped"
     layout.label(text=f"ΔE {text}", icon="ERROR" if staleness_handlers.stale(shown) else "NONE")
+
+
+def _is_by_hand(context: bpy.types.Context) -> bool:
+    """Whether materials show bakes that no one but a person makes."""
+    world = context.scene.world
+    return world is not None and world.skylight.occlusion == BAKED
 
 
 def _some(names: list[str]) -> str:

@@ -7,15 +7,23 @@ A handler looks only at what Blender says has changed, so that panels have nothi
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
+
 import bpy
 from bpy.app.handlers import persistent
 
 from .. import tags
+from . import follow
 from .last_guard import handler as guarded
+
+LIGHTS = bpy.types.Light, bpy.types.World, bpy.types.Material
+"""What gives or reflects light, beside objects that move."""
 
 _stale: dict[int, str] = {}  # by a material's session_uid, why it is
 _files: dict[int, tuple[str, str]] = {}  # the same, by what was found on disk, and for which hash
 _moved = False
+_ours = False  # whether what Blender tells of is our own doing
 
 
 def stale(material: bpy.types.Material) -> str:
@@ -47,14 +55,25 @@ def found_bakes() -> None:
     _moved = False
 
 
-def after(context: bpy.types.Context) -> None:
-    """Look at all materials once we have changed some; what we moved was not moved by a user."""
-    global _moved
-    if not bpy.app.background:
-        before = _moved
+@contextlib.contextmanager
+def ours(context: bpy.types.Context) -> Iterator[None]:
+    """Do work whose changes are not a user's."""
+    global _ours
+    _ours = True
+    try:
+        yield
         context.view_layer.update()
-        _moved = before
+    finally:
+        _ours = False
+
+
+def after(context: bpy.types.Context) -> None:
+    """Look at all materials once we have changed some, and light what has no light yet."""
+    if not bpy.app.background:
+        with ours(context):
+            pass  # Blender tells now of what we have changed
     look()
+    follow.ask()
 
 
 def look() -> None:
@@ -87,6 +106,8 @@ def _changed(scene, depsgraph) -> None:
     global _moved
     for update in depsgraph.updates:
         changed = update.id
+        if not _ours and isinstance(changed, LIGHTS):
+            follow.ask()
         if isinstance(changed, bpy.types.Material) and tags.MATERIAL in changed:
             _look_at(changed.original)  # its viewport colour, where it has no nodes of its own
         elif isinstance(changed, bpy.types.NodeTree) and changed.is_embedded_data:
@@ -94,14 +115,25 @@ def _changed(scene, depsgraph) -> None:
             for material in bpy.data.materials:
                 if tags.MATERIAL in material and material.node_tree == changed.original:
                     _look_at(material)
-        elif isinstance(changed, bpy.types.Object) and changed.type not in ("LIGHT", "EMPTY"):
-            _moved = _moved or update.is_updated_transform or update.is_updated_geometry
+        elif (
+            isinstance(changed, bpy.types.Object)
+            and (update.is_updated_transform or update.is_updated_geometry)
+            and not _ours
+        ):
+            _moved = _moved or changed.type not in ("LIGHT", "EMPTY")
+            follow.ask()
+
+
+@persistent
+def _undoing(*_) -> None:
+    follow.drop()  # what it holds of the file is no more
 
 
 @persistent
 @guarded
 def _undone(*_) -> None:
     look()
+    follow.ask()
 
 
 @persistent
@@ -123,6 +155,9 @@ def _written(*_) -> None:
 HANDLERS = {
     "depsgraph_update_post": _changed,
     "load_post": _loaded,
+    "undo_pre": _undoing,
+    "redo_pre": _undoing,
+    "load_pre": _undoing,
     "undo_post": _undone,
     "redo_post": _undone,
     "save_pre": _written,

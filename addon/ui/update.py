@@ -28,7 +28,7 @@ def update(context: bpy.types.Context) -> give.Lines:
     lines += unbaked(context)
     name = "" if found.light is None else found.light.name
     lines.append(("INFO", f"Updated {len(found.results)} material(s) to {name}"))
-    return [*lines, *operator.of_light(context.scene.world)]
+    return [*lines, *operator.of_light(context.scene)]
 
 
 def unbaked(context: bpy.types.Context) -> give.Lines:

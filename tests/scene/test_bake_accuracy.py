@@ -141,7 +141,7 @@ def test_against_brute_force(boxes, size, keep, capsys):
     table, seen = [], None
     for elevation, azimuth, turn in ((40, 0.5, 0.0), (15, 2.0, 0.0), (25, -1.0, 0.8)):
         sky = clear_sky(math.radians(elevation), azimuth)
-        assert scene_bake.relight(Panorama(sky, turn)) == []  # without a ray
+        assert progress.run(scene_bake.relighting(Panorama(sky, turn))) == []  # without a ray
         places, normals, total = received_light(objects, keep)
         assert len(places) > 200
         # The sky that a turn of the Mapping shows: L(R d) is the sky turned back by as much.

@@ -82,7 +82,7 @@ def test_the_floor_gets_the_walls_light():
     progress.run(scene_bake.bake(light=Walls(), rays=1024))
     lit = ((), 0.5 * 0.5), ((SUN,), 0.5 * 0.5**0.5), ((LAMP,), lit_by_lamp)
     for lamps, light in lit:
-        assert scene_bake.relight(Walls(*lamps)) == []
+        assert progress.run(scene_bake.relighting(Walls(*lamps))) == []
         mesh = floor.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
         values = colours(mesh, baked_light.LIGHT)[:, 0]
         at = np.array([mesh.vertices[loop.vertex_index].co for loop in mesh.loops])

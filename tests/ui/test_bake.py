@@ -24,12 +24,20 @@ def test_bake_shows_and_remove_takes_away(scene, brick):
     assert bpy.ops.skylight.bake(rays=64) == {"FINISHED"}
     assert scene_bake.baked() == [bpy.data.objects["Wall"]]
     assert scene_bake.stale() == []
-    assert scene.world.skylight.occlusion == "baked"
+    assert scene.world.skylight.occlusion == "auto"  # which asks for a bake by itself
     surface = skylight_surface.find(scene.world)
     assert skylight_surface.features_of(surface).sky == "baked"
     assert bpy.ops.skylight.remove_bakes() == {"FINISHED"}
     assert scene_bake.baked() == []
     assert len(bpy.data.objects) == before
+
+
+def test_a_bake_is_shown_where_the_open_sky_was(scene, brick):
+    faces("Wall")
+    scene.world.skylight.occlusion = "open"
+    bpy.ops.skylight.apply(filepath=brick, column="brick")
+    assert bpy.ops.skylight.bake(rays=64) == {"FINISHED"}
+    assert scene.world.skylight.occlusion == "baked"
 
 
 def test_only_what_is_selected(scene, brick):

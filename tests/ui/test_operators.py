@@ -22,6 +22,7 @@ pytestmark = pytest.mark.blender
 
 
 def test_load_sky_lights_the_scene(scene, tmp_path):
+    scene.world.skylight.occlusion = "open"
     bpy.ops.skylight.load_sky(filepath=str(tmp_path / "sky.exr"))
     world = scene.world
     assert world.node_tree.nodes.get("Environment Texture").image.name == "sky.exr"
@@ -91,6 +92,7 @@ def test_a_path_that_was_typed_wrongly_says_so(scene, brick):
 def test_update_follows_the_HDRI(scene, brick, tmp_path):
     with pytest.raises(RuntimeError, match="No material is spectral yet"):
         bpy.ops.skylight.update()
+    scene.world.skylight.occlusion = "open"
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     (tmp_path / "brick.csv").unlink()  # the blend file knows the reflectance
     scene.world.skylight.ground = "none"  # else of a turquoise one its light is taken apart

@@ -31,6 +31,9 @@ def edit(**values):
 def test_the_sky_and_what_of_it_is_missing(applied):
     sky, numbers = drawn(panels.SKYLIGHT_PT_sky), drawn(panels.SKYLIGHT_PT_numbers)
     assert "Sky: sky.exr" in sky.text
+    assert "no light is baked yet" in drawn(panels.SKYLIGHT_PT_result).text
+    applied.world.skylight.occlusion = "open"
+    bpy.ops.skylight.update()
     assert "open sky: no shadows but the sun's yet" in drawn(panels.SKYLIGHT_PT_result).text
     assert "the sun at" in drawn(panels.SKYLIGHT_PT_light).text
     assert "Irradiance of degree" in numbers.text

@@ -12,7 +12,8 @@ pytestmark = pytest.mark.blender
 
 @pytest.fixture
 def watched(scene):
-    """The scene, watched as it is where there is a window."""
+    """The scene, watched as it is where there is a window; nothing is baked unasked."""
+    scene.world.skylight.occlusion = "open"
     staleness_handlers.attach(background=True)
     yield scene
     staleness_handlers.detach()

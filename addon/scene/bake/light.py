@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Sequence
 
 import bpy
@@ -44,6 +45,10 @@ class Light:
     def matrix(self, name: str) -> NDArray[np.float64]:
         """From light in bands to a material's colour, (3, 16)."""
         return np.full((3, COUNT), 1.0 / COUNT)
+
+    def key(self, names: Sequence[str]) -> bytes:
+        """What tells this light on materials of these full names from another."""
+        return pickle.dumps((self.sky, list(self.lamps), self.matter(names)))
 
     @property
     def _transfer(self) -> Transfer:

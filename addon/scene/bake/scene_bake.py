@@ -171,8 +171,8 @@ def stale() -> list[bpy.types.Object]:
     return _stale(targets())
 
 
-def relight(light: light_of_scene.Light) -> list[str]:
-    """Give all that is baked another light, and return lines to say.
+def relighting(light: light_of_scene.Light) -> Generator[Progress, None, list[str]]:
+    """Give all that is baked another light, yielding `Progress`; returns lines to say.
 
     Without a ray where this Blender has baked the scene as it is; else rays are cast anew.
     """
@@ -180,7 +180,9 @@ def relight(light: light_of_scene.Light) -> list[str]:
     lines = []
     if old := [obj for obj in baked() if not storage.is_lit(obj)]:
         lines.append(f"{len(old)} bake(s) of an earlier version hold no bounced light: bake again")
-    return lines + session.relight(there, light) if there else lines
+    if there:
+        lines += yield from session.relighting(there, light)
+    return lines
 
 
 def _stale(objects: Collection[bpy.types.Object]) -> list[bpy.types.Object]:

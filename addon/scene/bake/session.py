@@ -48,6 +48,8 @@ class _Session:
     materials: list[str]
     radiosity: Radiosity
     receivers: Receivers
+    light: bytes = b""
+    """`Light.key` of the one that it was lit by last."""
 
 
 _last: list[_Session] = []
@@ -119,8 +121,13 @@ def baking(
     return lines, len(plans)
 
 
-def relight(objects: Sequence[bpy.types.Object], light: Light) -> list[str]:
-    """Light baked objects anew; return lines to say."""
+def relighting(
+    objects: Sequence[bpy.types.Object], light: Light
+) -> Generator[Progress, None, list[str]]:
+    """Light baked objects anew, yielding how far it is; return lines to say.
+
+    Whoever closes it leaves them the light that they had.
+    """
     lines = []
     same = _last and _last[0].key == _key() and _last[0].receivers
     if not same or {target.name for target in same.targets} != {obj.name for obj in objects}:
@@ -133,16 +140,19 @@ def relight(objects: Sequence[bpy.types.Object], light: Light) -> list[str]:
         )
         space = Space(Cells.of(surfaces, levels, layout.SMALL * around.size), matter)
         radiosity = Radiosity(space)
-        for _ in radiosity.cast(SENT[1]):
-            pass
+        for done in radiosity.cast(SENT[1]):
+            yield Progress(0.3 * done, "light between surfaces")
         receivers = Receivers(_kept_targets(objects, around), around.materials)
         total = _rays(len(receivers), False)
-        for _ in receivers.cast(space, directions.pattern(total)):
-            pass
+        for done in receivers.cast(space, directions.pattern(total)):
+            yield Progress(0.3 + 0.6 * done, f"{len(receivers):,} points")
         _last.append(_Session(_key(), around.origin, around.materials, radiosity, receivers))
         lines.append("the bake's rays are not in memory: they were cast again")
     session = _last[0]
-    _write(session, light, _solve(session, light))
+    yield Progress(0.9, "light between surfaces")
+    solved = _solve(session, light)
+    yield Progress(0.95, "all light")
+    _write(session, light, solved)
     return lines
 
 
@@ -154,8 +164,14 @@ def _solve(session, light):
     return radiosity.solve(light.sky, radiosity.lit_by(lamps))
 
 
+def is_lit_by(light: Light) -> bool:
+    """Whether all that is baked shows this very light, as far as is remembered."""
+    return bool(_last) and _last[0].light == light.key(_last[0].materials)
+
+
 def _write(session: _Session, light: Light, solved) -> None:
     """Leave on all objects the colours that light makes of them."""
+    session.light = light.key(session.materials)
     table, tells, _ = solved
     names = session.materials
     colours, told = session.receivers.colours(

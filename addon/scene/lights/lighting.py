@@ -26,6 +26,8 @@ from . import dome_lamps, light_linking, sun_lamp
 from . import user_lamps as own_lamps
 from .user_lamps import Lamps
 
+BAKED_LIGHT = "all light is baked"
+
 
 @dataclass(frozen=True)
 class Lights:
@@ -78,7 +80,7 @@ class Lights:
         """What a picture must say as long as not all light is in it."""
         shadows = {
             OPEN: "open sky: no shadows yet",
-            BAKED: "all light is baked",
+            BAKED: BAKED_LIGHT,
             DOME: "the sky's shadows are live",
         }[self.occlusion]
         if self.light.sun is None:

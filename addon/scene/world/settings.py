@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import tags
-from ...choices import BASIS, GROUNDS, OCCLUSIONS, SIMPLEST, default
+from ...choices import AUTO, BAKED, BASIS, GROUNDS, OCCLUSIONS, SIMPLEST, default
 from ...sky.light import SkyLight
 from ...spectra import sensitivities
 from ...transfer.choice import Choice, choose_with
@@ -64,6 +64,11 @@ class Settings:
             sun_elevation=light.sun_elevation(self.sun_elevation) if light else self.sun_elevation,
             sky_rgb=None if light is None else light.faces,
         )
+
+    @property
+    def shadows(self) -> str:
+        """The occlusion that materials show: `AUTO` is a bake that the add-on itself keeps new."""
+        return BAKED if self.occlusion == AUTO else self.occlusion
 
     @property
     def sensors(self) -> NDArray[np.float64]:

@@ -1,0 +1,197 @@
+"""All light, kept new while a person works: baked between events, and again after every change.
+
+Where a World asks for `choices.AUTO`. Until the new light is there, the last one stays. Nothing of
+it is an undo step: Blender's undo brings the light back that belongs to what it restores.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Generator
+from dataclasses import dataclass, field
+
+import bpy
+
+from ..choices import AUTO
+from ..errors import InputError
+from ..progress import Progress
+from .labels import told
+
+PAUSE = 0.4
+"""[s] without a change before work begins: a person who drags something is not done yet."""
+
+SLICE = 0.05
+"""[s] of work between two looks at what a person does."""
+
+
+@dataclass
+class Work:
+    """One bake under way in a scene."""
+
+    scene: str
+    steps: Generator[Progress, None, list[str]]
+    began: float = field(default_factory=time.monotonic)
+    progress: Progress = field(default_factory=lambda: Progress(0.0, "geometry"))
+
+    @property
+    def left(self) -> float:
+        """Seconds to go, as its pace so far tells; 0 as long as that tells nothing."""
+        done = self.progress.done
+        return 0.0 if done < 0.05 else (time.monotonic() - self.began) * (1.0 - done) / done
+
+
+_work: Work | None = None
+_asked: float | None = None  # when, by `time.monotonic`, as long as it has not begun
+_lines: list[str] = []
+
+
+def work() -> Work | None:
+    """The bake under way, None without."""
+    return _work
+
+
+def waiting() -> bool:
+    """Whether a bake is to begin as soon as a person pauses."""
+    return _asked is not None
+
+
+def lines() -> list[str]:
+    """What the last bake had to say."""
+    return _lines
+
+
+def ask() -> None:
+    """Let all light be new soon; a bake under way begins again."""
+    global _asked
+    if bpy.app.background:
+        return
+    drop()
+    _asked = time.monotonic()
+    if not bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.register(_tick, first_interval=PAUSE)
+
+
+def drop() -> None:
+    """End the bake under way: what it has done stays."""
+    global _work, _asked
+    _asked = None
+    if _work is not None:
+        steps, _work = _work.steps, None
+        steps.close()
+
+
+def _tick() -> float | None:
+    """Work for a moment; return in how many seconds to go on, None for not before asked again."""
+    if _work is None and _asked is None:
+        return None
+    window = next(iter(bpy.context.window_manager.windows), None)
+    if window is None or _busy(window):
+        return PAUSE
+    with bpy.context.temp_override(window=window):
+        if _asked is not None:
+            wait = _asked + PAUSE - time.monotonic()
+            if wait > 0.0:
+                return wait
+            if not _begin():
+                return None
+        _go_on()
+    for each in bpy.context.window_manager.windows:
+        for area in each.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+    return 0.01
+
+
+def _busy(window: bpy.types.Window) -> bool:
+    """Whether a person is in the middle of something that the bake must not disturb."""
+    return (
+        bpy.app.is_job_running("RENDER")
+        or window.screen.is_animation_playing
+        or bool(window.modal_operators)
+    )
+
+
+def _begin() -> bool:
+    """Begin what was asked for, where the scene asks for all light."""
+    from ..scene import use_cases
+    from ..scene.world.settings import stored
+    from . import properties
+
+    global _work, _asked
+    _asked = None
+    scene = bpy.context.scene
+    settings = stored(scene.world)
+    if settings is None or settings.occlusion != AUTO or not use_cases.in_scene(scene):
+        return False
+    _lines.clear()
+    steps = use_cases.following(scene, properties.settings_of(scene.world))
+    _work = Work(scene.name, steps)
+    return True
+
+
+def _go_on() -> None:
+    """Do some of the work."""
+    from ..scene import out_of_date
+    from . import staleness_handlers
+
+    global _work
+    current = _work
+    assert current is not None
+    until = time.monotonic() + SLICE
+    try:
+        with staleness_handlers.ours(bpy.context):
+            current.progress = next(current.steps)
+            while time.monotonic() < until:
+                current.progress = next(current.steps)
+    except StopIteration as done:
+        _lines[:] = done.value
+        _work = None
+        out_of_date.all_baked(bpy.context.scene)
+        staleness_handlers.found_bakes()
+    except InputError as error:
+        _lines[:] = [told(error)]
+        _work = None
+    except Exception:
+        _work = None  # Blender prints the trace; without this it would print it for ever
+        raise
+
+
+class SKYLIGHT_OT_stop_light(bpy.types.Operator):
+    """Stop computing the light. What is there stays, and the next change begins anew"""
+
+    bl_idname = "skylight.stop_light"
+    bl_label = "Cancel"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        return _work is not None or _asked is not None
+
+    def execute(self, context):
+        """End it."""
+        drop()
+        _lines[:] = ["Stopped: the light is not complete. Press Update to go on"]
+        return {"FINISHED"}
+
+
+CLASSES = (SKYLIGHT_OT_stop_light,)
+
+_keys: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
+
+
+def attach() -> None:
+    """Let Esc stop the bake as long as there is one."""
+    known = bpy.context.window_manager.keyconfigs.addon
+    if known is not None:
+        keymap = known.keymaps.new("Window")
+        _keys.append((keymap, keymap.keymap_items.new("skylight.stop_light", "ESC", "PRESS")))
+
+
+def detach() -> None:
+    """End the bake, and leave Esc as it was."""
+    drop()
+    if bpy.app.timers.is_registered(_tick):
+        bpy.app.timers.unregister(_tick)
+    for keymap, item in _keys:
+        keymap.keymap_items.remove(item)
+    _keys.clear()
