@@ -160,12 +160,15 @@ class SKYLIGHT_OT_stop_light(bpy.types.Operator):
     """Stop computing the light. What is there stays, and the next change begins anew"""
 
     bl_idname = "skylight.stop_light"
-    bl_label = "Cancel"
-    bl_options = {"INTERNAL"}
+    bl_label = "Stop Light"
 
     @classmethod
     def poll(cls, context):
-        return _work is not None or _asked is not None
+        """Whether there is anything to stop; else Esc means what it always means."""
+        running = _work is not None or _asked is not None
+        if not running:
+            cls.poll_message_set("No light is being computed")
+        return running
 
     def execute(self, context):
         """End it."""

@@ -10,7 +10,7 @@ STEPS = (
     ("assign_to_active", "assign_to_selected"),
     ("write_assignments", "read_assignments"),
     ("refresh_library", "library_problems", "write_assets"),
-    ("bake", "remove_bakes"),
+    ("bake", "stop_light", "remove_bakes"),
     ("show_in_viewport", "before_after", "neutral_white"),
     ("batch_write", "batch_start", "batch_cancel"),
 )

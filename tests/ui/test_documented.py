@@ -67,6 +67,7 @@ def test_whatever_changes_the_file_can_be_undone(addon):
         "show_in_viewport",
         "library_problems",
         "explain",
+        "stop_light",
         "batch_write",
         "batch_start",
         "batch_cancel",

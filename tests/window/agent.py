@@ -36,6 +36,26 @@ def at_work():
     return any(name.startswith("SKYLIGHT") for name in running)
 
 
+def following():
+    """Whether light is being computed, or is to be."""
+    follow = importlib.import_module("bl_ext.user_default.spectral_skylight.addon.ui.follow")
+    return follow.work() is not None or follow.waiting()
+
+
+def light(name):
+    """The mean green of an object's baked light, None without any."""
+    package = "bl_ext.user_default.spectral_skylight"
+    storage = importlib.import_module(package + ".addon.scene.bake.storage")
+    bake = storage.bake_of(bpy.data.objects[name])
+    found = None if bake is None else bake.data.attributes.get("skylight_light")
+    if found is None:
+        return None
+    values = np.empty(4 * len(found.data), np.float32)
+    found.data.foreach_get("color", values)
+    values = values.reshape(-1, 4)
+    return float(values[values[:, 3] > 0, 1].mean())
+
+
 def matrix(name):
     """The matrix that a material was given, None without."""
     package = "bl_ext.user_default.spectral_skylight"

@@ -135,7 +135,7 @@ def test_esc_and_undo(equipped):
         window.ask("setattr(bpy.context.scene.world.skylight, 'occlusion', 'baked')")
         before = window.ask("[len(bpy.data.objects), bpy.data.objects['Cube'].modifiers.keys()]")
         window.press("Sun, Shadows and Ground")
-        window.hover(window.find("Bake Sky Shadows"))
+        window.hover(window.find("Bake Light"))
         window.pointer("click", "1")
         window.wait("at_work()", 20)
         window.shot("baking")
@@ -143,6 +143,34 @@ def test_esc_and_undo(equipped):
         window.wait("not at_work()", 20)
         after = window.ask("[len(bpy.data.objects), bpy.data.objects['Cube'].modifiers.keys()]")
         assert after == before
+
+
+def test_the_light_follows(equipped):
+    """One click brings all light; what moves gets its own without another click, and Esc stops."""
+    with Window(equipped) as window:
+        window.ask("bpy.ops.mesh.primitive_plane_add(size=12, location=(0, 0, -1))")
+        window.ask("bpy.context.object.data.materials.append(bpy.data.materials['Material'])")
+        window.press_tab("Skylight")
+        window.press("Load Sky HDRI...")
+        window.press("sky.exr", times=2)
+        window.find("Sky: sky.exr")
+        window.press("Make Everything Spectral")
+        window.wait("light('Plane') is not None and not following()", 60)
+        first = window.ask("light('Plane')")
+        window.ask("setattr(bpy.data.objects['Cube'], 'location', (0, 0, 2))")
+        window.wait("following()", 20)
+        window.wait("not following()", 60)
+        lifted = window.ask("light('Plane')")
+        assert lifted > 1.02 * first  # the cube hides less of the sky
+        window.hover(window.box("WINDOW"))
+        window.ask(
+            "bpy.data.objects['Cube'].modifiers.new('Fine', 'SUBSURF').__setattr__('levels', 6)"
+        )
+        window.wait("following()", 20)
+        window.shot("following")
+        window.key("Escape")
+        window.wait("not following()", 5)
+        window.find("Stopped")
 
 
 def test_the_tutorial(equipped, files):
