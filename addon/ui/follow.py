@@ -15,6 +15,7 @@ import bpy
 from ..choices import AUTO
 from ..errors import InputError
 from ..progress import Progress
+from . import last_guard
 from .labels import told
 
 PAUSE = 0.4
@@ -151,9 +152,9 @@ def _go_on() -> None:
     except InputError as error:
         _lines[:] = [told(error)]
         _work = None
-    except Exception:
-        _work = None  # Blender prints the trace; without this it would print it for ever
-        raise
+    except Exception as error:  # a timer that fails is not called again
+        _lines[:] = [last_guard.line(error)]
+        _work = None
 
 
 class SKYLIGHT_OT_stop_light(bpy.types.Operator):

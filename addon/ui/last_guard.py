@@ -37,18 +37,18 @@ def handler(method: Callable[..., None]) -> Callable[..., None]:
         try:
             method(*arguments)
         except Exception as error:
-            _line(error)
+            line(error)
 
     return quiet
 
 
-def _line(error: Exception) -> str:
+def line(error: Exception) -> str:
     """Return an exception's line; the first time the console gets all of it."""
-    line = fault(error)
-    if line not in _told:
-        _told.add(line)
+    text = fault(error)
+    if text not in _told:
+        _told.add(text)
         traceback.print_exception(error, file=sys.stderr)
-    return line
+    return text
 
 
 # Blender counts the parameters of methods: each wrapper names its own.
@@ -60,7 +60,7 @@ def _execute(method: Callable[..., Any]) -> Callable[..., Any]:
         try:
             return method(self, context)
         except Exception as error:
-            self.report({"ERROR"}, _line(error))
+            self.report({"ERROR"}, line(error))
             return {"FINISHED"}  # an undo step takes back what was done so far
 
     return execute
@@ -72,7 +72,7 @@ def _on_event(method: Callable[..., Any]) -> Callable[..., Any]:
         try:
             return method(self, context, event)
         except Exception as error:
-            self.report({"ERROR"}, _line(error))
+            self.report({"ERROR"}, line(error))
             return {"CANCELLED"}
 
     return on_event
@@ -84,7 +84,7 @@ def _draw(method: Callable[..., None]) -> Callable[..., None]:
         try:
             method(self, context)
         except Exception as error:
-            self.layout.label(text=_line(error), icon="ERROR", translate=False)
+            self.layout.label(text=line(error), icon="ERROR", translate=False)
 
     return draw
 
@@ -96,7 +96,7 @@ def _poll(method: Callable[..., bool]) -> Callable[..., bool]:
             return method(cls, context)
         except Exception as error:
             if hasattr(cls, "poll_message_set"):
-                cls.poll_message_set(_line(error))
+                cls.poll_message_set(line(error))
             return False
 
     return poll

@@ -125,6 +125,7 @@ def _changed(scene, depsgraph) -> None:
 
 
 @persistent
+@guarded
 def _undoing(*_) -> None:
     follow.drop()  # what it holds of the file is no more
 
