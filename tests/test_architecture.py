@@ -56,7 +56,7 @@ MODULES_OF = {
     "evaluation": {"numpy", "colour", "matplotlib", "PIL", "scipy", "tqdm"},
     "pictures": {"numpy"},
     "node_groups": {"bpy"},
-    "scene": {"bpy", "bpy_extras", "mathutils", "numpy", "atomic_file", "image_file"},
+    "scene": {"bpy", "bpy_extras", "mathutils", "numpy", "atomic_file", "image_file", "task_paths"},
     "ui": {"bpy", "bpy_extras"},
     "registration": {"bpy"},
     "cli": set(),
@@ -65,7 +65,8 @@ MODULES_OF = {
 }
 """Room and the modules from outside, Python's own apart, that it may import.
 
-A batch's script finds copies of our own `atomic_file` and `image_file` beside its own.
+A batch's script finds copies of our own `atomic_file`, `image_file` and `task_paths` beside its
+own.
 """
 
 LABORATORY = {"colour", "scipy", "matplotlib", "PIL", "tqdm"}

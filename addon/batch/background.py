@@ -27,7 +27,7 @@ class Background:
         package = __name__.rpartition(".addon.")[0]
         code = f"import sys; from {package}.addon.cli import main; sys.exit(main(sys.argv[1:]))"
         command = [blender, "--background", "--command", "skylight"]
-        command = command if blender else [sys.executable, "-c", code]
+        command = command if blender else [sys.executable, "-P", "-c", code]
         self._log: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - as long as the process
         apart: dict[str, Any] = {"start_new_session": True}
         if os.name == "nt":

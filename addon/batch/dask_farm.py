@@ -48,6 +48,7 @@ class Blenders(WorkerPlugin):
     def __init__(self, root: str, blender: str | None, timeout: float | None) -> None:
         self.root, self.blender, self.timeout = root, blender, timeout
         self.name = f"spectral-skylight {root}"
+        self.scripts = task_module.sources()
 
     async def setup(self, worker: Any) -> None:
         """Offer the worker's threads, if it has a Blender and sees the plan."""
@@ -73,7 +74,7 @@ class Blenders(WorkerPlugin):
         try:
             blender = self.idle.get_nowait()
         except queue.Empty:
-            blender = Worker(self.root, self.blender, self.threads)
+            blender = Worker(self.root, self.blender, self.threads, self.scripts)
             self.all.append(blender)
         answers = []
         try:

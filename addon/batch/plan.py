@@ -17,11 +17,11 @@ from typing import Any
 from ..errors import InputError
 from ..whole_files import writing
 from .file_names import file_names
+from .owner import FORMAT, check_links, header_of
 from .scenes import SceneFile
 from .study import Study, StudySky, Variant, content_hash
 from .task import Task, copy_scripts, task_of
 
-FORMAT = "spectral-skylight plan"
 VERSION = 1
 
 
@@ -102,7 +102,7 @@ def write_plan(study: Study, scenes: tuple[SceneFile, ...], program: str) -> Pat
     with writing(path) as part:
         path.parent.mkdir(parents=True, exist_ok=True)
         copy_scripts(path.parent)
-        with part.open("w", encoding="utf-8", newline="\n") as file:
+        with part.open("w", encoding="utf-8", errors="backslashreplace", newline="\n") as file:
             file.write(json.dumps(header, ensure_ascii=False) + "\n")
             for task in tasks(study, scenes, program):
                 file.write(task.line() + "\n")
@@ -117,16 +117,17 @@ def _count(study: Study, scenes: tuple[SceneFile, ...]) -> int:
 def read_header(path: str | Path) -> dict[str, Any]:
     """Return a plan's header; InputError for a file that is no plan, or of another version."""
     try:
-        with Path(path).open(encoding="utf-8") as file:
-            header = json.loads(file.readline())
-        if header["format"] != FORMAT:
-            raise ValueError
+        header = header_of(Path(path))
     except OSError as error:
         raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from None
-    except (ValueError, KeyError, TypeError):
-        raise InputError(path, "is not a plan", "make one with batch plan STUDY.toml") from None
-    if header["version"] != VERSION:
-        raise InputError(path, f"is of version {header['version']}", "plan the study again")
+    if header is None:
+        raise InputError(path, "is not a plan", "make one with batch plan STUDY.toml")
+    if (version := header.get("version")) != VERSION:
+        raise InputError(path, f"is of version {version}", "plan the study again")
+    whole = type(header.get("tasks")) is int and header["tasks"] >= 0
+    if not whole or not isinstance(header.get("study"), str):
+        raise InputError(path, "is not a whole plan", "plan the study again")
+    check_links(Path(path).parent)
     return header
 
 
@@ -136,11 +137,11 @@ def read_tasks(path: str | Path, first: int = 0, count: int | None = None) -> It
     Raises `InputError` as `read_header` does, and for a line that is no task.
     """
     read_header(path)
-    with Path(path).open(encoding="utf-8") as file:
+    with Path(path).open(encoding="utf-8", errors="replace") as file:
         stop = None if count is None else 1 + first + count
         for number, line in enumerate(islice(file, 1 + first, stop), 2 + first):
             try:
                 yield task_of(line)
-            except (ValueError, TypeError, KeyError):
-                cure = "plan the study again"
-                raise InputError(f"{path}, line {number}", "is not a task", cure) from None
+            except ValueError as error:
+                place, cure = f"{path}, line {number}", "plan the study again"
+                raise InputError(place, f"is not a task: {error}", cure) from None

@@ -7,25 +7,25 @@ scene's textures in `prepared/` beside it.
 
 from __future__ import annotations
 
-import contextlib
 import json
 import math
-import shutil
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
 from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from ..atomic_file import replacing
 from ..progress import run
+from ..scene.output.task_paths import inside
 from ..whole_files import write_json
+from .carry import carry
 from .file_names import file_names
 from .plan import Prepared, prepared_files
 from .scenes import SceneFile
-from .study import Study, StudySky, file_hash
+from .study import Study, StudySky
 
 FOLDER = "prepared"
+FORMAT = "spectral-skylight prepared file"
 
 
 @dataclass(frozen=True)
@@ -70,8 +70,9 @@ def prepare(
 def record(out: Path, blend: str) -> dict[str, Any] | None:
     """Return what is known of a prepared file, None where it is not ready.
 
-    ``name``: of the file; ``scene``, ``sky``, ``variant``: names of what it was made of; ``sun``:
-    elevation and azimuth [degrees], null without one; ``blender``: the version that made it;
+    ``format``: `FORMAT`, by which ours are known; ``name``: of the file; ``scene``, ``sky``,
+    ``variant``: names of what it was made of; ``sun``: elevation and azimuth [degrees], null
+    without one; ``blender``: the version that made it;
     ``materials``: a dictionary each, as `spectral.Result`; ``notes``: lines to read;
     ``elsewhere``: a line for each image that is still read from another place.
     """
@@ -136,10 +137,10 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
     found = run(use_cases.making_spectral_with_all_light(scene, given, settings))
     light = found.light
     assert light is not None  # every plan has a sky
-    elsewhere = [line for image in bpy.data.images if (line := _carry(image, study.out / FOLDER))]
-    path = study.out / wanted.blend
-    blend_file.save(path)
+    elsewhere = [line for image in bpy.data.images if (line := carry(image, study.out / FOLDER))]
+    path = inside(study.out, wanted.blend, ".blend")
     record = {
+        "format": FORMAT,
         "name": wanted.name,
         "scene": wanted.scene.path.stem,
         "sky": wanted.sky.name,
@@ -147,10 +148,11 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
         "sun": wanted.sky.sun or (light.sun and (light.sun.elevation, light.sun.azimuth)),
         "blender": bpy.app.version_string,
         "materials": [asdict(result) for result in found.results],
-        "notes": [*notes, *light.notes],
+        "notes": [*notes, *light.notes, *elsewhere],
         "elsewhere": elsewhere,
     }
-    write_json(path.with_suffix(".json"), record)
+    write_json(path.with_suffix(".json"), record)  # first: what has no record is nobody's
+    blend_file.save(path)
 
 
 def _turn(world: Any, north: float) -> None:
@@ -168,29 +170,18 @@ def _turn(world: Any, north: float) -> None:
         mapping.inputs["Rotation"].default_value = (0.0, 0.0, -angle if sky.inverse else angle)
 
 
-def _carry(image: Any, folder: Path) -> str:
-    """Put a copy of an image's file beside the prepared ones; say what is read from elsewhere."""
-    import bpy
-
-    if not image.users or image.packed_files or not image.filepath:
-        return ""
-    path = Path(bpy.path.abspath(image.filepath, library=image.library))
-    if image.source != "FILE" or image.library is not None:
-        return f'image "{image.name}" is read from {path}' if image.source != "GENERATED" else ""
-    copy = folder / f"{path.stem}.{file_hash(path)[:8]}{path.suffix}"
-    if path.parent == folder:
-        copy = path
-    elif not copy.is_file():
-        with replacing(copy) as part:
-            shutil.copyfile(path, part)
-    with contextlib.suppress(ValueError):  # another drive of Windows
-        image.filepath_raw = bpy.path.relpath(str(copy))
-    return ""
-
-
 def _tidy(out: Path, wanted: Iterable[Prepared]) -> None:
-    """Take away prepared files that no task reads any more."""
-    keep = {(out / each.blend).with_suffix("").name for each in wanted}
-    for path in (out / FOLDER).iterdir():
-        if path.suffix in (".blend", ".json") and path.with_suffix("").name not in keep:
+    """Remove prepared files that no task reads any more: those that a record of ours names."""
+    keep = {(out / each.blend).with_suffix(".json").name for each in wanted}
+    for path in (out / FOLDER).glob("*.json"):
+        if path.name not in keep and _is_ours(path):
+            path.with_suffix(".blend").unlink(missing_ok=True)
             path.unlink(missing_ok=True)
+
+
+def _is_ours(path: Path) -> bool:
+    try:
+        known = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return False
+    return isinstance(known, dict) and known.get("format") == FORMAT

@@ -62,7 +62,7 @@ def run(
     """
     outcome = Outcome(read_header(plan)["tasks"])
     clock, lock, noted = _Clock(), threading.Lock(), set[int]()
-    with (plan.parent / RESULTS).open("a", encoding="utf-8") as log:
+    with (plan.parent / RESULTS).open("a", encoding="utf-8", errors="backslashreplace") as log:
 
         def note(task: Task, answer: dict[str, Any]) -> None:
             status = answer["status"]

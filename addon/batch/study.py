@@ -28,6 +28,7 @@ from ..choices import (
 from ..errors import InputError
 from ..transfer.assignment import Assignment
 from ..transfer.assignment_table import read_table
+from .owner import check_links, check_owner
 from .toml_table import Table, read_toml
 
 KEYS = {
@@ -146,6 +147,7 @@ def read_study(path: str | Path) -> Study:
     )
     _once(table, "scenes", [str(scene) for scene in study.scenes])
     _check_folder(study.out)
+    check_owner(path, study.out)
     return study
 
 
@@ -256,6 +258,7 @@ def _check_folder(out: Path) -> None:
     """Raise InputError unless files can be written into ``out``, which is made."""
     import tempfile
 
+    check_links(out)
     try:
         out.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=out):

@@ -11,11 +11,12 @@ import subprocess
 import sys
 import tempfile
 import threading
+from collections.abc import Mapping
 from pathlib import Path
 from typing import IO, Any
 
 from ..errors import InputError, parameter
-from .task import SCRIPT, Task
+from .task import SCRIPT, Task, sources
 
 ANSWER = "skylight-task "  # as render_task.py has it: workers of a farm get this file alone
 
@@ -40,9 +41,9 @@ def blender_command(blender: str | Path | None = None) -> list[str]:
             raise InputError(
                 blender, "is not a Blender that can be started", f"check {parameter('blender')}"
             )
-        return [found, *PLAIN]
+        return [str(Path(found).absolute()), *PLAIN]
     if importlib.util.find_spec("bpy") is not None:
-        return [sys.executable]
+        return [sys.executable, "-P"]
     if found := shutil.which("blender"):
         return [found, *PLAIN]
     raise InputError("batch", "there is no Blender here", f"give {parameter('blender')} PATH")
@@ -52,14 +53,23 @@ class Worker:
     """A serving process, started at its first task.
 
     ``root``: the plan's folder; ``blender``: as in `blender_command`; ``threads``: of a render, 0
-    for all cores. Not for two threads at once, except for `kill`.
+    for all cores; ``scripts``: `task.sources`, where this package is not. Blender runs them from a
+    folder that nobody else can write to: what lies beside a plan is not trusted. Not for two
+    threads at once, except for `kill`.
     """
 
     def __init__(
-        self, root: str | Path, blender: str | Path | None = None, threads: int = 0
+        self,
+        root: str | Path,
+        blender: str | Path | None = None,
+        threads: int = 0,
+        scripts: Mapping[str, bytes] | None = None,
     ) -> None:
         self.root = Path(root).resolve()
-        script = self.root / SCRIPT.name  # of the program that made the plan
+        self._folder = tempfile.TemporaryDirectory(prefix="skylight-", ignore_cleanup_errors=True)
+        for name, content in (scripts or sources()).items():
+            Path(self._folder.name, name).write_bytes(content)
+        script = Path(self._folder.name, SCRIPT.name)
         self.command = [*blender_command(blender), str(script), "--", "--serve"]
         self.command += ["--root", str(self.root), "--threads", str(threads)]
         self._process: subprocess.Popen[str] | None = None
@@ -97,6 +107,7 @@ class Worker:
                 self._process.stdin.close()
         self.kill()
         self._log.close()
+        self._folder.cleanup()
 
     def kill(self) -> int | None:
         """End the process with all that it has started; return its exit code."""
@@ -125,7 +136,8 @@ class Worker:
             stdout=subprocess.PIPE,
             stderr=self._log,
             encoding="utf-8",
-            errors="replace",
+            errors="backslashreplace",
+            cwd=self._folder.name,
             **apart,
         )
         arguments = (self._process, self._answers)

@@ -165,6 +165,8 @@ def _ready(options: argparse.Namespace, shown: Any) -> Path:
         given = (given.parent / plan.read_header(given)["study"]).resolve()
     shown.preparing("the plan")
     read = study.read_study(given)
+    if read.out.resolve() != (out := _folder(options.study).resolve()):
+        raise InputError(out, f"is of {given}, which writes to {read.out}", "run that study")
     looked, program = scenes.look_into(read), scenes.program_hash()
     path = plan.write_plan(read, looked, program)
     if not options.dry_run:

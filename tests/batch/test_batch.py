@@ -155,7 +155,8 @@ def test_a_second_run_mends_what_is_not_whole(alone, office, capsys):
     second.write_bytes(third.read_bytes())
     third.with_suffix(".png").write_bytes(b"")
     fourth.unlink()
-    leftover = atomic_file.part_of(fourth)
+    name = atomic_file.part_of(fourth).name  # as of a process that is no more
+    leftover = fourth.with_name(name.replace(f".{os.getpid()}-", ".99999999-"))
     leftover.touch()
     assert cli.main(["batch", "run", str(office / "alone" / "plan.jsonl"), "--workers", "2"]) == 0
     assert "4 rendered, 4 already done, 0 failed" in capsys.readouterr().out

@@ -28,10 +28,12 @@ from typing import Any
 if __package__:
     from ...atomic_file import replacing
     from .image_file import check, whole, without_times
+    from .task_paths import inside
 else:  # a copy beside a plan
     sys.path.insert(0, str(Path(__file__).resolve().parent))
     from atomic_file import replacing  # type: ignore[no-redef]
     from image_file import check, whole, without_times  # type: ignore[no-redef]
+    from task_paths import inside  # type: ignore[no-redef]
 
 ANSWER = "skylight-task "
 """What an answer's line starts with: Blender greets on stdout before any script can stop it."""
@@ -151,15 +153,17 @@ def perform(task: dict[str, Any], root: Path, threads: int = 0) -> dict[str, Any
 
     start = time.monotonic()
     answer = {"index": task["index"], "blender": bpy.app.version_string}
-    exr = root / task["exr"]
     width, height = task["resolution"]
+    exr = root
     try:
+        exr = inside(root, task["exr"], ".exr")
+        inside(root, task["exr"].removesuffix(".exr") + ".png", ".png")
         if whole(exr, width, height, task["key"]):
             return {**answer, "status": "skipped", "seconds": time.monotonic() - start}
         exr.parent.mkdir(parents=True, exist_ok=True)
         if _full(exr.parent, width, height):
             raise OSError(errno.ENOSPC, "less than a picture may take")
-        _open(root / task["blend"])
+        _open(inside(root, task["blend"], ".blend"))
         scene = bpy.data.scenes[task["scene"]]
         camera = scene.objects.get(task["camera"])
         if camera is None:

@@ -1,0 +1,68 @@
+"""Whose a folder of results is: one study's, and nothing in it leads elsewhere.
+
+What stands there may come from anywhere, or be a person's own: nothing is written over that is not
+known to be a study's, and links out of the folder are not followed.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from ..errors import InputError
+
+FORMAT = "spectral-skylight plan"
+PLAN = "plan.jsonl"
+REPORTS = ("report.html", "report.json", "results.jsonl")
+"""What stands beside a plan and never without one."""
+
+
+def check_links(out: Path) -> None:
+    """Raise InputError for a file or folder right in ``out`` that is a link out of it."""
+    root = out.resolve()
+    for path in out.iterdir() if out.is_dir() else ():
+        if path.is_symlink() and not path.resolve().is_relative_to(root):
+            cure = "remove it, or choose another folder"
+            raise InputError(out, f"its {path.name} is a link that leads out of the folder", cure)
+
+
+def check_owner(study: Path, out: Path) -> None:
+    """Raise InputError where ``out`` belongs to another study, or a person.
+
+    Another study is one that is still there and still writes here.
+    """
+    cure = 'choose another "out"'
+    if not (out / PLAN).exists():
+        for name in REPORTS:
+            if (out / name).exists():
+                raise InputError(out, f"its {name} is of no study and would be written over", cure)
+        return
+    header = header_of(out / PLAN)
+    if header is None:
+        raise InputError(out / PLAN, "is not a plan and would be written over", cure)
+    other = (out / str(header.get("study", ""))).resolve()
+    if other != study.resolve() and _writes_to(other, out):
+        raise InputError(out, f"belongs to the study {other}", cure)
+
+
+def header_of(plan: Path) -> dict[str, Any] | None:
+    """Return the first line of a plan, None for a file that is none; raises OSError."""
+    if plan.exists() and not plan.is_file():
+        return None
+    with plan.open(encoding="utf-8", errors="replace") as file:
+        try:
+            header = json.loads(file.readline(1 << 16))
+        except (ValueError, RecursionError):
+            return None
+    return header if isinstance(header, dict) and header.get("format") == FORMAT else None
+
+
+def _writes_to(study: Path, out: Path) -> bool:
+    from .study import KEYS
+    from .toml_table import read_toml
+
+    try:
+        return (study.parent / read_toml(study, KEYS).text("out")).resolve() == out.resolve()
+    except (InputError, OSError, ValueError):
+        return False

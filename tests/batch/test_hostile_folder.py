@@ -1,0 +1,181 @@
+"""A folder that somebody sent runs no code, leads nowhere else and costs nobody a file."""
+
+import json
+import os
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+
+from spectral_skylight.addon.batch import prepare, study
+from spectral_skylight.addon.batch.plan import read_header, read_tasks
+from spectral_skylight.addon.batch.task import SCRIPTS, task_of
+from spectral_skylight.addon.batch.worker import Worker
+from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.scene.output import render_task
+from spectral_skylight.tests.batch.studies import write_inputs, write_study
+
+LINE = {
+    "index": 0, "blend": "prepared/a.blend", "scene": "Scene", "camera": "C", "frame": 1,
+    "engine": "cycles", "samples": 1, "resolution": [8, 8], "exr": "pictures/a/a.exr", "key": "k",
+}  # fmt: skip
+HEADER = {"format": "spectral-skylight plan", "version": 1, "study": "../study.toml", "tasks": 1}
+
+POSIX = pytest.mark.skipif(os.name == "nt", reason="Windows has no such links")
+
+ELSEWHERE = [
+    "../a.exr", "/tmp/a.exr", "pictures/../../a.exr", "pictures//a.exr", "./a.exr", "a.blend",
+    "a.exr/", "", "..", r"..\a.exr", "C:a.exr", "C:/a.exr", "a\0.exr", "a\n.exr", "\ud800.exr",
+    "a" * 300 + ".exr", 7, None, ["a.exr"], ".exr/../../a.exr", "nul:.exr", "a*.exr",
+]  # fmt: skip
+
+
+def write_plan(folder, *lines, **header):
+    folder.mkdir(exist_ok=True)
+    content = [json.dumps({**HEADER, **header}), *(json.dumps(line) for line in lines)]
+    (folder / "plan.jsonl").write_text("\n".join(content) + "\n")
+    return folder / "plan.jsonl"
+
+
+@pytest.mark.parametrize("name", ELSEWHERE)
+def test_a_picture_or_scene_elsewhere_is_no_task(tmp_path, name):
+    blend = name.replace(".exr", ".blend") if isinstance(name, str) and ".exr" in name else name
+    for wrong in ({**LINE, "exr": name}, {**LINE, "blend": f"{blend}" if name == "" else blend}):
+        if wrong.get("blend") == "a.blend":
+            continue  # that one is where it should be
+        with pytest.raises(ValueError):
+            task_of(json.dumps(wrong))
+        with pytest.raises(InputError, match=r"line 2: is not a task") as caught:
+            list(read_tasks(write_plan(tmp_path / "out", wrong)))
+        assert "\n" not in str(caught.value)
+        pytest.importorskip("bpy", reason="only a Blender performs tasks")
+        answer = render_task.perform(wrong, tmp_path / "out")
+        assert answer["status"] == "failed" and "no path of a" in answer["error"]
+    assert not list(tmp_path.rglob("*.exr"))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"index": -1}, {"index": True}, {"index": "0"}, {"frame": 1.5}, {"frame": 1 << 40},
+        {"samples": 0}, {"samples": "1"}, {"engine": "POVRAY"}, {"engine": []}, {"key": None},
+        {"resolution": [8]}, {"resolution": [8, 0]}, {"resolution": 8}, {"resolution": [1e9, 8]},
+        {"resolution": ["8", "8"]}, {"scene": 1}, {"camera": {}}, {"more": 1},
+    ],
+)  # fmt: skip
+def test_values_that_no_picture_has_are_no_task(change):
+    assert task_of(json.dumps(LINE)).index == 0
+    with pytest.raises(ValueError):
+        task_of(json.dumps({**LINE, **change}))
+
+
+@pytest.mark.parametrize("text", ["", "{}", "[]", "null", "7", "[" * 99999, "\x00", '{"index": 0}'])
+def test_lines_that_are_no_task(tmp_path, text):
+    path = write_plan(tmp_path / "out")
+    with path.open("a") as file:
+        file.write(text + "\n")
+    with pytest.raises(InputError, match="line 2"):
+        list(read_tasks(path))
+    path.write_bytes(path.read_bytes() + b"\xff\xfe{}\n")
+    with pytest.raises(InputError, match="line 2"):
+        list(read_tasks(path))
+
+
+@pytest.mark.parametrize("wrong", [{"tasks": "9"}, {"tasks": -1}, {"study": 7}, {"version": "1"}])
+def test_headers_that_are_no_plan_s(tmp_path, wrong):
+    with pytest.raises(InputError):
+        read_header(write_plan(tmp_path / "out", **wrong))
+
+
+@POSIX
+@pytest.mark.parametrize(
+    "name", ["report.html", "status.json", "results.jsonl", "pictures", ".lock"]
+)
+def test_a_link_out_of_the_folder_is_not_followed(tmp_path, name):
+    path = write_plan(tmp_path / "out", LINE)
+    target = tmp_path / "mine"
+    target.write_text("mine")
+    (path.parent / name).symlink_to(target)
+    with pytest.raises(InputError, match=re.escape(f"its {name} is a link")):
+        read_header(path)
+    with pytest.raises(InputError, match=re.escape(f"its {name} is a link")):
+        study.folder_of(write_study(tmp_path))
+    assert target.read_text() == "mine"
+
+
+@POSIX
+def test_a_link_below_the_folder_is_not_followed(tmp_path):
+    pytest.importorskip("bpy", reason="only a Blender performs tasks")
+    out = write_plan(tmp_path / "out", LINE).parent
+    (tmp_path / "mine").mkdir()
+    (out / "pictures").mkdir()
+    (out / "pictures" / "a").symlink_to(tmp_path / "mine")
+    assert "is a link" in render_task.perform(LINE, out)["error"]
+    (out / "pictures" / "a").unlink()
+    (out / "pictures" / "a").mkdir()
+    (out / "pictures" / "a" / "a.png").symlink_to(tmp_path / "mine" / "a.png")
+    assert "is a link" in render_task.perform(LINE, out)["error"]
+    assert not list((tmp_path / "mine").iterdir())
+
+
+def test_what_lies_beside_a_plan_is_not_run(tmp_path):
+    """Neither a script of our names nor a module of Python's; by a worker of this machine."""
+    pytest.importorskip("bpy", reason="only a Blender performs tasks")
+    out = write_plan(tmp_path / "out", LINE).parent
+    evil = f"open({str(tmp_path / 'ran')!r}, 'w').close()\n"
+    modules = ("argparse", "json", "numpy", "bpy", "queue", "sitecustomize", "usercustomize")
+    for name in (*(script.stem for script in SCRIPTS), *modules):
+        (out / f"{name}.py").write_text(evil)
+    worker = Worker(out)
+    before, folder = Path.cwd(), Path(worker.command[-7]).parent
+    try:
+        os.chdir(out)
+        answer = worker.render(task_of(json.dumps(LINE)))
+    finally:
+        os.chdir(before)
+        worker.close()
+    assert answer["status"] == "failed" and "a.blend is missing" in answer["error"]
+    assert not (tmp_path / "ran").exists() and not folder.exists()
+
+
+def test_another_study_s_folder_and_a_person_s_files_are_refused(tmp_path):
+    (tmp_path / "house.blend").touch()
+    first = write_study(write_inputs(tmp_path))
+    out = study.read_study(first).out
+    write_plan(out, study="../study.toml")
+    second = shutil.copy(first, tmp_path / "second.toml")
+    with pytest.raises(InputError, match=r"out: belongs to the study .*study.toml; choose another"):
+        study.read_study(second)
+    assert study.read_study(first).out == out
+    first.write_text(first.read_text().replace('"out"', '"elsewhere"'))
+    assert study.read_study(second).out == out  # the first writes elsewhere now
+    first.unlink()
+    assert study.read_study(second).out == out
+    for name in ("report.html", "results.jsonl"):
+        (out / "plan.jsonl").unlink(missing_ok=True)
+        (out / name).write_text("mine")
+        with pytest.raises(InputError, match=rf"its {name} is of no study"):
+            study.read_study(second)
+        (out / name).unlink()
+    (out / "plan.jsonl").write_text("mine")
+    with pytest.raises(InputError, match="is not a plan and would be written over"):
+        study.read_study(second)
+
+
+def test_only_what_a_record_of_ours_names_is_deleted(tmp_path):
+    folder = tmp_path / "prepared"
+    folder.mkdir()
+    record = json.dumps({"format": prepare.FORMAT, "name": "../../mine"})
+    files = {
+        "old.12345678.blend": "", "old.12345678.json": record,
+        "mine.blend": "", "notes.json": "{}", "mine.json": json.dumps({"name": "mine"}),
+        "deep.json": "[" * 99999, "deep.blend": "", "sky.exr": "",
+    }  # fmt: skip
+    for name, content in files.items():
+        (folder / name).write_text(content)
+    (tmp_path / "mine.blend").touch()
+    prepare._tidy(tmp_path, [])
+    left = {path.name for path in folder.iterdir()}
+    assert left == files.keys() - {"old.12345678.blend", "old.12345678.json"}
+    assert (tmp_path / "mine.blend").exists()
