@@ -64,14 +64,16 @@ def levels_for(
     """Return how often to cut each triangle for cells about so long, at most so many in all.
 
     Those that are longer than ``small`` get 64 cells each or 16 or 4, as long as that leaves half
-    of them: a yard in a wide field has its own scale.
+    of them: a yard in a wide field has its own scale. They get these, and each triangle one, also
+    where that is more than ``most``.
     """
     large = surfaces.lengths > small
     least = next((k for k in (3, 2, 1) if large.sum() * 4**k <= most / 2), 0)
+    enough = max(most, len(large) + int(large.sum()) * (4**least - 1))
     while True:
         wanted = np.ceil(np.log2(np.maximum(surfaces.lengths / length, 1.0)))
         levels = np.minimum(np.maximum(wanted, least * large), FINEST).astype(int)
-        if len(levels) == 0 or (4**levels).sum() <= max(most, len(levels)):
+        if (4**levels).sum() <= enough:
             return levels
         length *= 1.2
 
