@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 from spectral_skylight.addon.batch.scenes import NOT_IN_PICTURES
+from spectral_skylight.addon.batch.task import SCRIPTS
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -47,6 +48,9 @@ MAY_IMPORT = {
 }
 """Room and the other rooms that it may import from."""
 
+BESIDE_A_PLAN = {path.stem for path in SCRIPTS}
+"""A batch's scripts find copies of our own modules beside themselves."""
+
 MODULES_OF = {
     **{name: set() for name in BASE},
     "spectra": {"numpy"},
@@ -56,18 +60,14 @@ MODULES_OF = {
     "evaluation": {"numpy", "colour", "matplotlib", "PIL", "scipy", "tqdm"},
     "pictures": {"numpy"},
     "node_groups": {"bpy"},
-    "scene": {"bpy", "bpy_extras", "mathutils", "numpy", "atomic_file", "image_file", "task_paths"},
+    "scene": {"bpy", "bpy_extras", "mathutils", "numpy", *BESIDE_A_PLAN},
     "ui": {"bpy", "bpy_extras"},
     "registration": {"bpy"},
     "cli": set(),
     "commands": {"numpy"},
-    "batch": {"bpy", "cloudpickle", "distributed", "numpy"},
+    "batch": {"bpy", "cloudpickle", "distributed", "numpy", *BESIDE_A_PLAN},
 }
-"""Room and the modules from outside, Python's own apart, that it may import.
-
-A batch's script finds copies of our own `atomic_file`, `image_file` and `task_paths` beside its
-own.
-"""
+"""Room and the modules from outside, Python's own apart, that it may import."""
 
 LABORATORY = {"colour", "scipy", "matplotlib", "PIL", "tqdm"}
 """What only `evaluation` may need: slow to import, and not there in Blender."""

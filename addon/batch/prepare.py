@@ -21,6 +21,7 @@ from ..whole_files import write_json
 from .carry import carry
 from .file_names import file_names
 from .plan import Prepared, prepared_files
+from .report import record
 from .scenes import SceneFile
 from .study import Study, StudySky
 
@@ -65,22 +66,6 @@ def prepare(
             _make(study, each, picture)
     _tidy(out, wanted)
     return Preparation(skies, len(open_), len(wanted) - len(open_))
-
-
-def record(out: Path, blend: str) -> dict[str, Any] | None:
-    """Return what is known of a prepared file, None where it is not ready.
-
-    ``format``: `FORMAT`, by which ours are known; ``name``: of the file; ``scene``, ``sky``,
-    ``variant``: names of what it was made of; ``sun``: elevation and azimuth [degrees], null
-    without one; ``blender``: the version that made it;
-    ``materials``: a dictionary each, as `spectral.Result`; ``notes``: lines to read;
-    ``elsewhere``: a line for each image that is still read from another place.
-    """
-    path = (out / blend).with_suffix(".json")
-    try:
-        return json.loads(path.read_text(encoding="utf-8")) if (out / blend).is_file() else None
-    except (OSError, ValueError):
-        return None
 
 
 def _sky_file(study: Study, sky: StudySky) -> Path:
@@ -147,12 +132,23 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
         "variant": wanted.variant.name,
         "sun": wanted.sky.sun or (light.sun and (light.sun.elevation, light.sun.azimuth)),
         "blender": bpy.app.version_string,
-        "materials": [asdict(result) for result in found.results],
+        "materials": [_material(result) for result in found.results],
         "notes": [*notes, *light.notes, *elsewhere],
         "elsewhere": elsewhere,
     }
     write_json(path.with_suffix(".json"), record)  # first: what has no record is nobody's
     blend_file.save(path)
+
+
+def _material(result: Any) -> dict[str, Any]:
+    """Return what is known of a material, with its color as bright as a swatch can be."""
+    import numpy as np
+
+    from ..spectra.working_spaces import srgb
+
+    parts = srgb(np.array(result.colour) / max(1.0, *result.colour))
+    swatch = "rgb(" + " ".join(f"{255 * part:.0f}" for part in parts) + ")"
+    return {**asdict(result), "swatch": swatch}
 
 
 def _turn(world: Any, north: float) -> None:

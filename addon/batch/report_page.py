@@ -1,6 +1,7 @@
 """The page of a report: numbers, failures, colours and errors, and all pictures as a contact sheet.
 
-It names pictures by relative paths and nothing from elsewhere: the folder can be sent as it is.
+It names pictures by relative paths and nothing from elsewhere: the folder can be sent as it is. A
+copy of this file lies beside each plan, see `report`.
 """
 
 from __future__ import annotations
@@ -9,10 +10,10 @@ from html import escape
 from typing import Any
 from urllib.parse import quote
 
-import numpy as np
-
-from ..spectra.working_spaces import srgb
-from .duration import duration
+if __package__:
+    from .duration import duration
+else:  # a copy beside a plan
+    from duration import duration  # type: ignore[no-redef]
 
 MOST = 5000
 """Pictures on the page; all are in `report.json`."""
@@ -99,18 +100,12 @@ def _cell(material: dict[str, Any]) -> str:
     ours, rgb = (_number(material[key]) for key in ("matrix_delta_E", "rgb_delta_E"))
     gamut = ' class=bad title="out of gamut"' if material["out_of_gamut"] else ""
     title = escape(material["line"], quote=True)
-    swatch = f'<i style="background:{_css(material["colour"])}"></i>'
+    swatch = f'<i style="background:{escape(material.get("swatch", "none"), quote=True)}"></i>'
     return f'<td title="{title}">{swatch}<span{gamut}>{ours}</span> <small>({rgb})</small>'
 
 
 def _number(value: float | None) -> str:
     return "?" if value is None else f"{value:.1f}"
-
-
-def _css(linear: list[float]) -> str:
-    """Return a linear colour as sRGB, as bright as a swatch can be."""
-    parts = srgb(np.array(linear) / max(1.0, *linear))
-    return "rgb(" + " ".join(f"{255 * p:.0f}" for p in parts) + ")"
 
 
 def _sheet(found: dict[str, Any]) -> str:

@@ -19,9 +19,13 @@ SCRIPTS = (
     Path(__file__).parents[1] / "atomic_file.py",
     SCRIPT.with_name("image_file.py"),
     SCRIPT.with_name("task_paths.py"),
+    SCRIPT.with_name("plan_range.py"),
     SCRIPT,
+    Path(__file__).with_name("duration.py"),
+    Path(__file__).with_name("report_page.py"),
+    Path(__file__).with_name("report.py"),
 )
-"""The same with what it imports."""
+"""The same and what writes a report, with what they import: any worker can run them."""
 
 
 def sources() -> dict[str, bytes]:

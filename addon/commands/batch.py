@@ -203,10 +203,11 @@ def _say(path: Path, outcome: Any) -> None:
 
 def _report(options: argparse.Namespace) -> None:
     """Write the report of what is there, and fail where that is not everything."""
-    from ..batch import report
+    from ..batch import plan, report
 
     path = Path(options.plan).resolve()
     path = path if path.suffix == ".jsonl" else _folder(options.plan) / "plan.jsonl"
+    plan.read_header(path)
     counts = report.write_report(path)["counts"]
     print(", ".join(f"{count} {status}" for status, count in counts.items()))
     print(path.with_name("report.html"))

@@ -42,7 +42,7 @@ def plan(tmp_path_factory):
     plan.write_text(text, encoding="utf-8")
     script = plan.with_name("render_task.py")
     done = subprocess.run([sys.executable, script, "--", plan], capture_output=True)
-    assert done.returncode == 1
+    assert done.returncode == 0 and b"camera nobody has" in done.stdout
     assert len(files(plan)) == 2 * 11
     return plan
 

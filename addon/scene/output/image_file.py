@@ -18,6 +18,11 @@ import numpy as np
 CYCLES_STAMPS = b"cycles."
 """What Cycles notes of its own speed, which no setting turns off, starts with this."""
 
+HEAD = 1 << 18
+"""[bytes] Of a file: its header and the table of its scanlines, up to 65,536 lines, fit in."""
+
+PNG_END = b"\0\0\0\0IEND\xaeB`\x82"
+
 
 def whole(exr: Path, width: int, height: int, note: str) -> bool:
     """Return whether a picture's two files are there, complete, of this size and with this note."""
@@ -29,13 +34,44 @@ def whole(exr: Path, width: int, height: int, note: str) -> bool:
     return True
 
 
+def made_by(exr: Path, key: str) -> str:
+    """Return the build of Blender that rendered a picture, by its header.
+
+    Without decoding a scanline: a picture is decoded before it gets its name. Raises OSError or
+    ValueError where its two files are not there, do not reach to their ends or have another key.
+    """
+    with exr.open("rb") as file:
+        start, size = file.read(HEAD), file.seek(0, 2)
+        try:
+            attributes, end = _attributes(start)
+            last = max(_blocks(start, end))
+            file.seek(last)
+            packed = struct.unpack("<2i", file.read(8))[1]
+        except (struct.error, LookupError, OverflowError, ValueError) as error:
+            raise ValueError(f"it is cut short or damaged ({error})") from None
+    if last + 8 + packed != size:
+        raise ValueError("it is cut short")
+    with exr.with_suffix(".png").open("rb") as file:
+        file.seek(max(0, file.seek(0, 2) - len(PNG_END)))
+        if file.read() != PNG_END:
+            raise ValueError("its PNG is cut short")
+    header = {name: value.decode(errors="replace") for name, value, _, _ in attributes}
+    found, _, build = header.get(b"Note", "").partition(" ")
+    if found != key:
+        raise ValueError("it was made from other data")
+    return build or header.get(b"Software", "")
+
+
 def check(content: bytes, width: int, height: int, note: str = "") -> None:
-    """Decode a picture to its last scanline; ValueError says what is wrong with it."""
+    """Decode a picture to its last scanline; ValueError says what is wrong with it.
+
+    ``note``: all of the picture's, or its first word alone.
+    """
     try:
         found = (_check_png if content[:4] == b"\x89PNG" else _check_exr)(content, width, height)
     except (struct.error, zlib.error, LookupError, OverflowError) as error:
         raise ValueError(f"it is cut short or damaged ({error})") from None
-    if note and found != note:
+    if note and note not in (found, found.partition(" ")[0]):
         raise ValueError("it was made from other data")
 
 

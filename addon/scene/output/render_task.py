@@ -1,12 +1,14 @@
 """One picture, whole or not at all: what `render` calls, and a script for a plain Blender.
 
-A batch puts copies of it, `image_file` and `atomic_file` beside its plan: it needs no package.
+A batch puts copies of it and of what it imports beside its plan: it needs no package.
 
     blender -b --factory-startup -P render_task.py -- PLAN.jsonl --first 0 --count 40
+    blender -b --factory-startup -P render_task.py -- PLAN.jsonl --check
     blender -b --factory-startup -P render_task.py -- --serve
 
-The second reads tasks from stdin, a JSON object a line, and answers each by a line on stdout that
-starts with `ANSWER`. Exit code 1 where a task failed. bpy as a module: `python render_task.py …`.
+The first two are `plan_range`'s. The third reads tasks from stdin, a JSON object a line, and
+answers each by a line on stdout that starts with `ANSWER`. bpy as a module: `python
+render_task.py …`.
 """
 
 from __future__ import annotations
@@ -21,22 +23,23 @@ import shutil
 import sys
 import threading
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 if __package__:
     from ...atomic_file import replacing
+    from . import plan_range
     from .image_file import check, whole, without_times
+    from .plan_range import ANSWER
     from .task_paths import inside
 else:  # a copy beside a plan
     sys.path.insert(0, str(Path(__file__).resolve().parent))
+    import plan_range  # type: ignore[no-redef]
     from atomic_file import replacing  # type: ignore[no-redef]
     from image_file import check, whole, without_times  # type: ignore[no-redef]
+    from plan_range import ANSWER  # type: ignore[no-redef]
     from task_paths import inside  # type: ignore[no-redef]
-
-ANSWER = "skylight-task "
-"""What an answer's line starts with: Blender greets on stdout before any script can stop it."""
 
 # In the order in which Blender lets them be set: what may follow depends on what went before.
 EXR = {"file_format": "OPEN_EXR", "color_depth": "32", "exr_codec": "ZIP"}
@@ -51,6 +54,15 @@ def engines() -> dict[str, str]:
 
     eevee = "BLENDER_EEVEE_NEXT" if bpy.app.version < (5, 0, 0) else "BLENDER_EEVEE"
     return {"eevee": eevee, "cycles": "CYCLES"}
+
+
+def build() -> str:
+    """Return version, commit and platform of this Blender: others write other pictures."""
+    import bpy
+
+    commit, platform = bpy.app.build_hash, bpy.app.build_platform
+    known = (part.decode(errors="replace") for part in (commit, platform))
+    return " ".join(("Blender", bpy.app.version_string, *known))
 
 
 def picture(scene: Any, exr: Path, camera: Any, engine: str | None = None, note: str = "") -> None:
@@ -125,6 +137,10 @@ def missing_files() -> list[str]:
     return missing
 
 
+class WrongBlender(ValueError):
+    """Another Blender could render this, and this one none of its pictures."""
+
+
 def _open(path: Path) -> None:
     """Open a task's blend file, unless it is open already."""
     import bpy
@@ -137,7 +153,7 @@ def _open(path: Path) -> None:
     if bpy.data.version[:2] > bpy.app.version[:2]:
         made = ".".join(map(str, bpy.data.version))
         bpy.ops.wm.read_factory_settings(use_empty=True)
-        raise ValueError(f"{path} is of Blender {made}, and this is {bpy.app.version_string}")
+        raise WrongBlender(f"{path} is of Blender {made}, and this is {bpy.app.version_string}")
     if missing := missing_files():
         bpy.ops.wm.read_factory_settings(use_empty=True)
         raise ValueError(f"{path} misses {', '.join(missing)}")
@@ -146,19 +162,21 @@ def _open(path: Path) -> None:
 def perform(task: dict[str, Any], root: Path, threads: int = 0) -> dict[str, Any]:
     """Do one task and return its answer: index, status, seconds and, where it failed, error.
 
-    ``status``: ``rendered``, ``skipped`` (it was there, whole) or ``failed``; ``no_space`` marks
-    a failure that others will share. Paths of the task are relative to ``root``.
+    ``status``: ``rendered``, ``skipped`` (it was there, whole, by this `build`) or ``failed``;
+    ``no_space`` and ``wrong_blender`` mark failures that others on this machine will share. Paths
+    of the task are relative to ``root``.
     """
     import bpy
 
     start = time.monotonic()
-    answer = {"index": task["index"], "blender": bpy.app.version_string}
+    answer = {"index": task["index"], "blender": bpy.app.version_string, "build": build()}
+    note = f"{task['key']} {answer['build']}"
     width, height = task["resolution"]
     exr = root
     try:
         exr = inside(root, task["exr"], ".exr")
         inside(root, task["exr"].removesuffix(".exr") + ".png", ".png")
-        if whole(exr, width, height, task["key"]):
+        if whole(exr, width, height, note):
             return {**answer, "status": "skipped", "seconds": time.monotonic() - start}
         exr.parent.mkdir(parents=True, exist_ok=True)
         if _full(exr.parent, width, height):
@@ -169,12 +187,12 @@ def perform(task: dict[str, Any], root: Path, threads: int = 0) -> dict[str, Any
         if camera is None:
             raise ValueError(f"{task['blend']} has no camera {task['camera']}")
         _set_up(scene, task, threads)
-        picture(scene, exr, camera, task["engine"], task["key"])
+        picture(scene, exr, camera, task["engine"], note)
     except Exception as error:  # whatever it is, the other tasks go on
         reason = " ".join(str(error).split()) or type(error).__name__
         code = getattr(error, "errno", None)
         full = code in (errno.ENOSPC, errno.EDQUOT) or _full(exr.parent, width, height)
-        answer["no_space"] = full
+        answer |= {"no_space": full, "wrong_blender": isinstance(error, WrongBlender)}
         reason = f"no space left on the disk ({reason})" if full else reason
         answer |= {"status": "failed", "error": f"{exr}: {reason}"}
     else:
@@ -242,22 +260,6 @@ def _served() -> Iterator[dict[str, Any]]:
         yield json.loads(lines.get())
 
 
-def checked(task: dict[str, Any], root: Path, threads: int = 0) -> dict[str, Any]:
-    """Return a task's answer as `perform` does, and render nothing."""
-    answer = {"index": task["index"], "status": "skipped"}
-    width, height = task["resolution"]
-    if not whole(exr := root / task["exr"], width, height, task["key"]):
-        answer |= {"status": "failed", "error": f"{exr}: is not there, or not whole"}
-    return answer
-
-
-def _planned(plan: Path, first: int, count: int | None) -> Iterator[dict[str, Any]]:
-    with plan.open(encoding="utf-8") as file:
-        for number, line in enumerate(file, start=-1):  # the first line is the plan's header
-            if first <= number and (count is None or number < first + count):
-                yield json.loads(line)
-
-
 def main(arguments: list[str]) -> int:
     """Do the tasks that the arguments name; return the exit code."""
     parser = argparse.ArgumentParser(prog="render_task.py")
@@ -273,19 +275,16 @@ def main(arguments: list[str]) -> int:
     root = (options.root or here.parent).resolve()
     answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # what Blender prints goes where warnings go
-    tasks: Iterable[dict[str, Any]]
     if options.serve:
-        tasks = _served()
-    elif options.plan is None:
+        for task in _served():
+            answer = perform(task, root, options.threads)
+            print(ANSWER + json.dumps(answer), file=answers, flush=True)
+    if options.plan is None:
         parser.error("give a plan or --serve")
-    else:
-        tasks = _planned(options.plan, options.first, options.count)
-    failed, do = 0, checked if options.check else perform
-    for task in tasks:
-        answer = do(task, root, options.threads)
-        failed += answer["status"] == "failed"
-        print(ANSWER + json.dumps(answer), file=answers, flush=True)
-    return 1 if failed else 0
+    tasks = plan_range.planned(options.plan, options.first, options.count)
+    if options.check:
+        return plan_range.check(tasks, root, answers)
+    return plan_range.render(tasks, root, lambda t: perform(t, root, options.threads), answers)
 
 
 if __name__ == "__main__":
@@ -297,6 +296,7 @@ if __name__ == "__main__":
     except BaseException as error:
         print(f"render_task.py: {error}", file=sys.stderr)
     finally:
-        sys.stdout.flush()
-        sys.stderr.flush()
+        with contextlib.suppress(OSError):  # whoever started this may be gone
+            sys.stdout.flush()
+            sys.stderr.flush()
         os._exit(code)  # Blender before 5.0 can crash at exit, and does not pass a code on
