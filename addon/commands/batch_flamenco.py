@@ -30,7 +30,10 @@ def add(steps: Commands) -> None:
     )
     parser.add_argument("--priority", type=int, default=50)
     parser.add_argument(
-        "--report", action="store_true", help="let a worker that has this command write the report"
+        "--tag", metavar="NAME", help="worker tag: only workers that have it render; default: all"
+    )
+    parser.add_argument(
+        "--report", action="store_true", help="let a worker write the report in the end"
     )
     parser.set_defaults(run=run)
 
@@ -43,13 +46,17 @@ def run(options: argparse.Namespace) -> None:
     for option in ("together", "workers"):
         if (number := getattr(options, option)) is not None and number < 1:
             raise InputError(f"--{option}", f"{number} is too small", "use 1 or more")
-    workers = options.workers or submit.WORKERS
-    if options.manager and options.workers is None:
-        workers = submit.workers_of(options.manager)
-    how = (options.together, workers, options.priority, options.report)
-    job = submit.job_of(options.plan, *how)
-    if options.manager:
-        print(submit.submit(options.manager, job))
+    if options.tag and not options.manager:
+        raise InputError("--tag", "is known to a Manager alone", "give --manager, too")
+    how = (options.priority, options.report)
+    if not options.manager:
+        workers = options.workers or submit.WORKERS
+        job = submit.job_of(options.plan, options.together, workers, *how)
+        print(json.dumps(job, indent=1, ensure_ascii=False))
+        print(f'copy {submit.SCRIPT} into the Manager\'s folder "scripts"', file=sys.stderr)
         return
-    print(json.dumps(job, indent=1, ensure_ascii=False))
-    print(f'copy {submit.SCRIPT} into the Manager\'s folder "scripts"', file=sys.stderr)
+    workers = options.workers or submit.workers_of(options.manager, options.tag)
+    job = submit.job_of(options.plan, options.together, workers, *how)
+    print(submit.submit(options.manager, job, options.tag))
+    if lacks := submit.lacks(options.manager):
+        print(lacks, file=sys.stderr)

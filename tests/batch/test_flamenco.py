@@ -4,7 +4,8 @@ import pytest
 import quickjs
 
 from spectral_skylight.addon.batch.dispatch import chunks
-from spectral_skylight.addon.batch.flamenco.submit import picture_ranges
+from spectral_skylight.addon.batch.flamenco.submit import picture_ranges, task_name
+from spectral_skylight.addon.batch.task import Task
 from spectral_skylight.tests.batch import flamenco_manager as manager
 from spectral_skylight.tests.benchmarks.virtual_farm import Picture
 
@@ -40,19 +41,73 @@ def test_the_settings_are_such_as_the_manager_knows():
     ],
 )
 def test_each_range_is_a_task(text, expected):
-    tasks = manager.compile_job({"plan": PLAN, "pictures": text})
+    *tasks, last = manager.compile_job({"plan": PLAN, "pictures": text})
     assert [pictures(task) for task in tasks] == expected
     assert {task["type"] for task in tasks} == {"blender"}
     assert len({task["name"] for task in tasks}) == len(tasks)
     assert not any(task["dependencies"] for task in tasks)
+    checked = [manager.line_of(command, {}) for command in last["commands"]]
+    assert all(line[-1] == "--check" for line in checked)
+    places = [[int(line[line.index(at) + 1]) for at in ("--first", "--count")] for line in checked]
+    assert [n for first, count in places for n in range(first, first + count)] == [
+        n for part in expected for n in part
+    ]
+    assert len(checked) == (2 if text.endswith(", 9") else 1)
 
 
-def test_the_report_comes_last():
+def test_the_report_waits_for_the_pictures_and_the_check_for_the_report():
+    """The check may end the job, which cancels what waits. Any worker with Blender can do both."""
     job = {"plan": "{shared}/house/plan.jsonl", "pictures": "0-39/10", "report": True}
-    *tasks, last = manager.compile_job(job)
-    assert last["dependencies"] == [task["uuid"] for task in tasks]
-    line = manager.command_line(last, {"shared": "/farm"})
-    assert line == ["spectral-skylight", "batch", "report", PLAN]
+    *tasks, report, check = manager.compile_job(job)
+    assert report["dependencies"] == [task["uuid"] for task in tasks] and len(tasks) == 4
+    assert check["dependencies"] == [report["uuid"]]
+    assert {task["type"] for task in (*tasks, report, check)} == {"blender"}
+    line = manager.command_line(report, {"shared": "/farm", "blender": "/opt/blender"})
+    assert line[:3] == ["/opt/blender", "-b", "--factory-startup"]
+    assert line[-3:] == ["/farm/house/report.py", "--", PLAN]
+    without = manager.compile_job({**job, "report": False})
+    assert without[-1]["dependencies"] == [task["uuid"] for task in manager.renders(without)]
+
+
+@pytest.mark.parametrize(
+    ("version", "name", "steps"), [((3, 3), "exec", 0), ((3, 8), "blender-render", 10)]
+)
+def test_previews_and_progress_from_3_8_on(version, name, steps):
+    """Before, Blender is run all the same: `exec` knows no steps and shows nothing."""
+    job = {"plan": PLAN, "pictures": "0-39/10", "report": True}
+    tasks = manager.compile_job(job, version)
+    assert {command["name"] for task in tasks for command in task["commands"]} == {name}
+    assert [task["commands"][0]["totalStepCount"] for task in tasks[:4]] == 4 * [steps]
+    same = [manager.line_of(t["commands"][0], {}) for t in manager.compile_job(job, (3, 9))]
+    assert [manager.line_of(task["commands"][0], {}) for task in tasks] == same
+
+
+def test_tasks_have_the_names_they_are_given():
+    names = "house, noon: Court\nhouse, dusk: Court"
+    tasks = manager.compile_job({"plan": PLAN, "pictures": "0-5/2", "names": names})
+    told = [task["name"] for task in manager.renders(tasks)]
+    assert told == ["house, noon: Court", "house, dusk: Court", "pictures 4-5"]
+
+
+def one(camera, frame=1, blend="prepared/house_red_noon.12345678.blend"):
+    return Task(0, blend, "Scene", camera, frame, "cycles", 1, (8, 8), "pictures/a.exr", "key")
+
+
+@pytest.mark.parametrize(
+    ("chunk", "animated", "said"),
+    [
+        ([one("Court")], False, "house, red, 21 June noon: Court"),
+        ([one("Court"), one("Yard")], False, "house, red, 21 June noon: Court, Yard"),
+        ([one(f"V{n}") for n in range(12)], False, "house, red, 21 June noon: V0 to V11"),
+        ([one("Court", n) for n in range(3, 9)], True, "house, red, 21 June noon: Court 3-8"),
+        ([one("A", 9), one("B", 1)], True, "house, red, 21 June noon: A 9, B 1"),
+        ([one("Two\nlines")], False, "house, red, 21 June noon: Two lines"),
+    ],
+)
+def test_a_task_is_named_by_scene_sky_and_cameras(chunk, animated, said):
+    record = {"scene": "house", "variant": "red", "sky": "21 June noon"}
+    assert task_name(chunk, record, animated) == said
+    assert task_name(chunk, None, animated).startswith("house_red_noon: ")
 
 
 @pytest.mark.parametrize("text", ("", "5-3", "0-9/0", "1,,2", "a-b", "-3", "0-9;8"))
@@ -74,7 +129,7 @@ def test_what_is_no_range_is_refused(text):
     ],
 )
 def test_the_script_lies_beside_the_plan(plan, script):
-    (task,) = manager.compile_job({"plan": plan, "pictures": "0"})
+    (task,) = manager.renders(manager.compile_job({"plan": plan, "pictures": "0"}))
     line = manager.command_line(task, {})
     assert line[line.index("-P") + 1] == script
     assert line[line.index("--") + 1] == plan
@@ -88,7 +143,7 @@ def test_a_relative_plan_is_refused(plan):
 
 def test_a_plan_of_100_000_pictures():
     """One job; Flamenco takes more than 1,000 tasks since 3.3."""
-    tasks = manager.compile_job({"plan": PLAN, "pictures": "0-99999/12"})
+    tasks = manager.renders(manager.compile_job({"plan": PLAN, "pictures": "0-99999/12"}))
     assert len(tasks) == 8334
 
 
@@ -107,7 +162,7 @@ def test_no_task_opens_two_files(blends, size, ranges):
     plan = [Picture(number, blend) for number, blend in enumerate(blends)]
     cut = list(chunks(plan, size))
     assert picture_ranges(cut) == ranges
-    tasks = manager.compile_job({"plan": PLAN, "pictures": ranges})
+    tasks = manager.renders(manager.compile_job({"plan": PLAN, "pictures": ranges}))
     assert [list(pictures(task)) for task in tasks] == [[p.index for p in part] for part in cut]
 
 
@@ -115,7 +170,7 @@ def test_tasks_shrink_towards_the_end_of_a_plan():
     plan = [Picture(number, f"{number // 40}") for number in range(1440)]
     cut = list(chunks(plan, 12, len(plan), workers=20))
     ranges = picture_ranges(cut)
-    tasks = manager.compile_job({"plan": PLAN, "pictures": ranges})
+    tasks = manager.renders(manager.compile_job({"plan": PLAN, "pictures": ranges}))
     assert [list(pictures(task)) for task in tasks] == [[p.index for p in part] for part in cut]
     assert (len(cut[0]), len(cut[-1])) == (12, 1)
     assert len(ranges) < 1000

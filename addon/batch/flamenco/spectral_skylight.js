@@ -14,41 +14,65 @@ const JOB_TYPE = {
           description: "Pictures by their place in the plan. Each range is one task; A-B/N is cut " +
               "into tasks of at most N pictures. Examples: '0-39', '0-39,40-79', '0-1439/12'" },
         { key: "report", type: "bool", required: false, default: false,
-          description: "Write the report at the end. Needs a worker with the command " +
-              "spectral-skylight" },
+          description: "Write report.html beside the plan when all pictures are done" },
+        { key: "names", type: "string", required: false, default: "", visible: "hidden",
+          description: "A line for each task: its scene, sky and cameras" },
     ],
 };
 
 function compileJob(job) {
     const settings = job.settings;
     const plan = absolute(settings.plan);
-    const renders = ranges(settings.pictures).map(function (range) {
-        const task = author.Task("pictures " + range.first + "-" + range.last, "blender");
-        task.addCommand(blender(plan, range));
+    const cut = ranges(settings.pictures);
+    const names = settings.names ? settings.names.split("\n") : [];
+    let before = cut.map(function (range, index) {
+        const name = names[index] || "pictures " + range.first + "-" + range.last;
+        const task = author.Task(name, "blender");
+        task.addCommand(blender(plan, "render_task.py", place(range), size(range)));
         return task;
     });
-    renders.forEach(function (task) { job.addTask(task); });
+    before.forEach(function (task) { job.addTask(task); });
     if (settings.report) {
-        const report = author.Task("report", "misc");
-        report.addCommand(author.Command("exec", {
-            exe: "spectral-skylight", args: ["batch", "report", plan],
-        }));
-        renders.forEach(function (task) { report.addDependency(task); });
-        job.addTask(report);
+        const report = author.Task("report", "blender");
+        report.addCommand(blender(plan, "report.py", [], 1));
+        before = after(job, before, report);
     }
+    // A failed picture does not fail its task, or Flamenco would end the job. This one fails.
+    const check = author.Task("check that all pictures are there", "blender");
+    joined(cut).forEach(function (range) {
+        check.addCommand(blender(plan, "render_task.py", place(range).concat("--check"), 1));
+    });
+    after(job, before, check);
 }
 
-// A command that starts Blender without add-ons and preferences on the script beside the plan.
-function blender(plan, range) {
+// Adds a task that waits for others; returns it as what the next one waits for.
+function after(job, before, task) {
+    before.forEach(function (each) { task.addDependency(each); });
+    job.addTask(task);
+    return [task];
+}
+
+// A command that starts Blender without add-ons and preferences on a script beside the plan.
+function blender(plan, name, args, steps) {
     // Not path.join(): it would take one of the two slashes from a network share's path.
-    const script = plan.replace(/[^\/\\]*$/, "render_task.py");
-    return author.Command("exec", {
-        exe: "{blender}",
-        args: [
-            "-b", "--factory-startup", "--python-exit-code", "1", "-P", script, "--", plan,
-            "--first", String(range.first), "--count", String(range.last - range.first + 1),
-        ],
-    });
+    const script = plan.replace(/[^\/\\]*$/, name);
+    const all = ["-b", "--factory-startup", "--python-exit-code", "1", "-P", script, "--", plan]
+        .concat(args);
+    // Flamenco 3.8 counts a command's steps, by a third parameter, and shows what Blender saves.
+    if (author.Command.length < 3) {
+        return author.Command("exec", { exe: "{blender}", args: all });
+    }
+    return author.Command("blender-render", {
+        exe: "{blender}", exeArgs: "", argsBefore: [], blendfile: "", args: all,
+    }, steps);
+}
+
+function place(range) {
+    return ["--first", String(range.first), "--count", String(size(range))];
+}
+
+function size(range) {
+    return range.last - range.first + 1;
 }
 
 // Workers start commands in folders of their own, so paths are absolute on Linux, macOS or Windows,
@@ -73,6 +97,20 @@ function ranges(pictures) {
         }
         for (let start = first; start <= last; start += size) {
             found.push({ first: start, last: Math.min(last, start + size - 1) });
+        }
+    }
+    return found;
+}
+
+// Ranges that follow one another as one.
+function joined(ranges) {
+    const found = [];
+    for (const range of ranges) {
+        const end = found[found.length - 1];
+        if (end && range.first === end.last + 1) {
+            end.last = range.last;
+        } else {
+            found.push({ first: range.first, last: range.last });
         }
     }
     return found;

@@ -1,25 +1,20 @@
-"""A plan as a job of Flamenco's Manager, and sending it there.
-
-https://flamenco.blender.org/development/flamenco-api/; nothing is sent anywhere but to the address
-that the user gives.
-"""
+"""A plan as a job of Flamenco's Manager, and sending it there."""
 
 from __future__ import annotations
 
-import contextlib
-import json
 import platform
-import urllib.error
-import urllib.request
 from collections.abc import Iterable, Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, parameter
 from ..dispatch import CHUNK, Picture, chunks
-from ..online import check_online
 from ..plan import read_header, read_tasks
+from ..report import record
 from ..run import unprepared
+from ..task import Task
+from .manager import Manager
 
 SCRIPT = Path(__file__).with_name("spectral_skylight.js")
 """The job type, for the folder ``scripts`` beside the Manager's executable."""
@@ -29,6 +24,9 @@ JOB_TYPE = SCRIPT.stem.replace("_", "-")
 
 WORKERS = 10
 """Of a farm of which nothing is known."""
+
+PREVIEWS = (3, 8)
+"""The first version of Flamenco that shows previews and progress of such a job."""
 
 
 def job_of(
@@ -42,8 +40,8 @@ def job_of(
 
     Paths are those of this machine: the Manager's two-way variables make them those of the
     workers. ``size`` and ``workers`` decide how many pictures a task has, as in `dispatch.chunks`;
-    ``report`` has a worker with this command write the report in the end. Raises InputError for
-    a file that is no plan or not prepared.
+    ``report`` has a worker write the report in the end. Raises InputError for a file that is no
+    plan or not prepared.
     """
     plan = Path(plan).resolve()
     header = read_header(plan)
@@ -51,15 +49,52 @@ def job_of(
     if missing := unprepared(plan):
         cure = f"run batch plan STUDY.toml with {parameter('prepare')}"
         raise InputError(plan, f"{missing} is not prepared", cure)
-    pictures = picture_ranges(chunks(read_tasks(plan), size, header["tasks"], workers))
+    names: list[str] = []
+    animated = any(a.camera == b.camera for a, b in pairwise(read_tasks(plan, 0, 2)))
+
+    def named() -> Iterator[list[Task]]:
+        for chunk in chunks(read_tasks(plan), size, header["tasks"], workers):
+            names.append(task_name(chunk, record(plan.parent, chunk[0].blend), animated))
+            yield chunk
+
+    pictures = picture_ranges(named())
     return {
         "name": f"{name}, {header['tasks']} pictures",
         "type": JOB_TYPE,
         "priority": priority,
         "submitter_platform": platform.system().lower(),  # as Go's GOOS: linux, windows, darwin
-        "settings": {"plan": str(plan), "pictures": pictures, "report": report},
+        "settings": {
+            "plan": str(plan),
+            "pictures": pictures,
+            "names": "\n".join(names),
+            "report": report,
+        },
         "metadata": {"project": name},
     }
+
+
+def task_name(
+    chunk: Sequence[Task], prepared: dict[str, Any] | None, animated: bool = False
+) -> str:
+    """Return the name of a task by which a person finds its pictures: scene, sky, cameras.
+
+    ``prepared``: what is known of the file that they are rendered from, see `report.record`;
+    ``animated``: whether frames are to be named.
+    """
+    known = prepared or {"scene": Path(chunk[0].blend).stem.partition(".")[0]}
+    place = ", ".join(str(known[key]) for key in ("scene", "variant", "sky") if known.get(key))
+    frames: dict[str, list[int]] = {}
+    for task in chunk:
+        frames.setdefault(task.camera, []).append(task.frame)
+    cameras = list(frames)
+    if animated:
+        cameras = [
+            f"{camera} {numbers[0]}" + (f"-{numbers[-1]}" if len(numbers) > 1 else "")
+            for camera, numbers in frames.items()
+        ]
+    if len(cameras) > 3:
+        cameras = [f"{cameras[0]} to {cameras[-1]}"]
+    return " ".join(f"{place}: {', '.join(cameras)}".split())
 
 
 def picture_ranges(work: Iterable[Sequence[Picture]]) -> str:
@@ -76,67 +111,32 @@ def picture_ranges(work: Iterable[Sequence[Picture]]) -> str:
     return ",".join(f"{first}-{last}/{size}" for first, last, size in ranges)
 
 
-def workers_of(manager: str) -> int:
+def workers_of(manager: str, tag: str | None = None) -> int:
     """Return how many workers a Manager can hope for; raises InputError as `submit` does."""
-    with _answers(manager):
-        workers = _call(f"{_address(manager)}/api/v3/worker-mgt/workers")["workers"]
-        return max(1, sum(worker["status"] not in ("offline", "error") for worker in workers))
+    asked = Manager(manager)
+    return asked.workers(None if tag is None else asked.tag(tag))
 
 
-def submit(manager: str, job: dict[str, Any]) -> str:
+def lacks(manager: str) -> str:
+    """Say what a Manager is too old for, empty where that is nothing or its version is unknown."""
+    version = Manager(manager).version()
+    if version is None or version >= PREVIEWS:
+        return ""
+    old, needed = (".".join(map(str, each)) for each in (version, PREVIEWS))
+    return f"Flamenco {old} shows neither previews nor progress of this job: {needed} or newer does"
+
+
+def submit(manager: str, job: dict[str, Any], tag: str | None = None) -> str:
     """Send a job to a Manager, ``http://host:8080``, and return the address of its page there.
 
-    Raises InputError where nobody answers, the Manager lacks the job type or refuses the job.
+    ``tag``: the name of those workers' tag that may render it; None: all. Raises InputError where
+    nobody answers, the Manager lacks the job type or the tag, or refuses the job.
     """
-    address = _address(manager)
-    with _answers(manager):
-        kind = _call(f"{address}/api/v3/jobs/type/{JOB_TYPE}")
-        made = _call(f"{address}/api/v3/jobs", {**job, "type_etag": kind["etag"]})
-        return f"{address}/app/jobs/{made['id']}"
-
-
-def _address(manager: str) -> str:
-    if not manager.startswith(("http://", "https://")):
-        raise InputError(
-            parameter("manager"), f'"{manager}" is not an address', "write http://HOST:8080"
-        )
-    return manager.rstrip("/")
-
-
-@contextlib.contextmanager
-def _answers(manager: str) -> Iterator[None]:
-    """Say in a line what is wrong with a Manager's answer."""
-    try:
-        yield
-    except urllib.error.HTTPError as error:
-        if error.code == 404:
-            cure = f'copy {SCRIPT} into the folder "scripts" beside flamenco-manager'
-            raise InputError(manager, f"does not know the job type {JOB_TYPE}", cure) from None
-        raise InputError(manager, f"refuses ({_said(error)})", "see its log") from None
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        reason = str(getattr(error, "reason", error))
-        raise InputError(
-            manager, f"does not answer as a Flamenco Manager ({reason})", "check it"
-        ) from None
-
-
-class _NoRedirect(urllib.request.HTTPRedirectHandler):
-    def redirect_request(self, *_: Any) -> None:
-        return None
-
-
-def _call(address: str, content: dict[str, Any] | None = None) -> dict[str, Any]:
-    data = None if content is None else json.dumps(content).encode()
-    request = urllib.request.Request(address, data, {"Content-Type": "application/json"})
-    check_online(address)
-    # To this address and no other: neither a proxy nor where the answer may point.
-    opener = urllib.request.build_opener(urllib.request.ProxyHandler({}), _NoRedirect)
-    with opener.open(request, timeout=60) as answer:
-        return json.load(answer)
-
-
-def _said(error: urllib.error.HTTPError) -> str:
-    try:
-        return str(json.load(error)["message"])
-    except (OSError, ValueError, KeyError, TypeError):
-        return f"{error.code} {error.reason}"
+    asked = Manager(manager)
+    kind = asked.job_type(JOB_TYPE, SCRIPT)
+    settings = [setting.get("key") for setting in kind.get("settings", ())]
+    if settings and not job["settings"].keys() <= set(settings):
+        cure = f'copy {SCRIPT} into its folder "scripts" again'
+        raise InputError(asked.address, f"has the job type {JOB_TYPE} of another version", cure)
+    chosen = {} if tag is None else {"worker_tag": asked.tag(tag)}
+    return asked.send({**job, **chosen, "type_etag": kind["etag"]})
