@@ -138,7 +138,7 @@ class _Results:
     """What becomes of a range's pictures, in a file that no other process writes to."""
 
     def __init__(self, root: Path) -> None:
-        self._folder = root / RESULTS
+        self._root = root
         self._file: IO[str] | None = None
 
     def __enter__(self) -> _Results:
@@ -155,11 +155,11 @@ class _Results:
             return
         try:
             if self._file is None:
-                self._folder.mkdir(exist_ok=True)
-                name = f"{task['index']:06d}.{host()}-{os.getpid()}.jsonl"
-                self._file = (self._folder / name).open("a", encoding="utf-8")
+                (self._root / RESULTS).mkdir(exist_ok=True)
+                name = f"{RESULTS}/{task['index']:06d}.{host()}-{os.getpid()}.jsonl"
+                self._file = inside(self._root, name, ".jsonl").open("a", encoding="utf-8")
             line = {**answer, "key": task["key"], "host": host()}
             self._file.write(json.dumps(line, ensure_ascii=False) + "\n")
             self._file.flush()
-        except OSError as error:
-            print(f"{self._folder} cannot be written: {error}", file=sys.stderr)
+        except (OSError, ValueError) as error:
+            print(f"{self._root / RESULTS} cannot be written: {error}", file=sys.stderr)
