@@ -1,4 +1,4 @@
-"""Baking the sky's shadows, with a progress bar that Esc ends, and taking bakes away."""
+"""Baking all light when a person asks for it, with Esc to end it, and taking bakes away."""
 
 # mypy: disable-error-code="valid-type"
 
@@ -60,7 +60,8 @@ class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
 
 
 class SKYLIGHT_OT_remove_bakes(operator.Thin, bpy.types.Operator):
-    """Remove the baked sky shadows from all objects or from the selected objects"""
+    """Remove the baked light from all objects or from the selected ones. Until you press Bake \
+Light, the open sky lights them"""
 
     bl_idname = "skylight.remove_bakes"
     bl_label = "Remove Bakes"
@@ -78,6 +79,9 @@ class SKYLIGHT_OT_remove_bakes(operator.Thin, bpy.types.Operator):
     def run(self, context):
         from ..scene.bake import scene_bake
 
+        numbers = context.scene.world.skylight if context.scene.world else None
+        if numbers is not None and numbers.occlusion == AUTO:
+            numbers.occlusion = BAKED  # else the light came back by itself
         chosen = list(context.view_layer.objects.selected) if self.selected else None
         return [("INFO", f"Removed {scene_bake.remove(chosen)} bake(s)")]
 

@@ -115,7 +115,7 @@ MISTAKES = {
     "engine": ({"engine": "workbench"}, ["workbench", "eevee or cycles"]),
     "samples": ({"samples": 0}, ["samples"]),
     "resolution": ({"resolution": [16]}, ["resolution"]),
-    "bounce without a bake": ({"bounce": True}, ["occlusion"]),
+    "bounce without a bake": ({"bounce": True, "occlusion": "open"}, ["occlusion"]),
     "white": ({"white": [1, 1]}, ["white"]),
 }
 
