@@ -172,8 +172,11 @@ class SKYLIGHT_OT_stop_light(bpy.types.Operator):
         return running
 
     def execute(self, context):
-        """End it."""
-        drop()
+        """End it; what the bake tidies up then is no change to follow."""
+        from . import staleness_handlers
+
+        with staleness_handlers.ours(context):
+            drop()
         _lines[:] = ["Stopped: the light is not complete. Press Update to go on"]
         return {"FINISHED"}
 
