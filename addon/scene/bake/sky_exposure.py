@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .geometry import triangles_of
+from . import placed_meshes
+from .placed_meshes import PlacedMeshes
 
 _POINTS, _RAYS = 64, 64
 """Places that are looked from, and rays from each: a hundredth of the sky, in some tenths of a
@@ -25,18 +26,19 @@ def hidden_share(scene: bpy.types.Scene, chosen: Collection[bpy.types.Material])
     sky that they could see. From a few places in proportion to their area, always the same ones.
     None where no visible face has one of the materials.
     """
-    depsgraph = bpy.context.evaluated_depsgraph_get()
+    around = placed_meshes.gather(bpy.context.evaluated_depsgraph_get())
     rng = np.random.default_rng(0)
-    open_sky = seen = 0
-    for start, normal in _places(depsgraph, chosen, rng):
-        # Cosine-weighted about the normal (N. Malley): the normal plus an even direction.
-        even = rng.standard_normal((_RAYS, 3))
-        ways = normal + even / np.linalg.norm(even, axis=1, keepdims=True)
-        ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-9)
-        for way in ways[ways[:, 2] > 0.0].tolist():
-            open_sky += 1
-            seen += not scene.ray_cast(depsgraph, start, way)[0]
-    return None if open_sky == 0 else 1.0 - seen / open_sky
+    starts, normals = _places(around, chosen, rng)
+    # Cosine-weighted about the normal (N. Malley): the normal plus an even direction.
+    even = rng.standard_normal((len(starts), _RAYS, 3))
+    ways = normals[:, None] + even / np.linalg.norm(even, axis=2, keepdims=True)
+    ways /= np.maximum(np.linalg.norm(ways, axis=2, keepdims=True), 1e-9)
+    up = ways[..., 2] > 0.0
+    if not up.any():
+        return None
+    origins = np.broadcast_to(starts[:, None], ways.shape)[up]
+    place, _ = around.first_hits(origins, ways[up])
+    return float(np.mean(place >= 0))
 
 
 def ground_below(
@@ -46,68 +48,45 @@ def ground_below(
 
     Of faces that see what is below them nine in ten have to have something straight under them.
     """
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    below: list[bpy.types.Material | None] = []
-    looked = 0
-    for start, normal in _places(depsgraph, chosen, np.random.default_rng(0)):
-        if normal[2] > 0.7:
-            continue
-        looked += 1
-        hit, _, _, face, obj, _ = scene.ray_cast(depsgraph, start, (0.0, 0.0, -1.0))
-        if hit:
-            below.append(_material_at(obj, face))
-    if not looked or len(below) < 0.9 * looked:
+    around = placed_meshes.gather(bpy.context.evaluated_depsgraph_get())
+    starts, normals = _places(around, chosen, np.random.default_rng(0))
+    starts = starts[normals[:, 2] <= 0.7]
+    place, triangle = around.first_hits(starts, np.broadcast_to([0.0, 0.0, -1.0], starts.shape))
+    below = around.material[triangle[place >= 0]].tolist()
+    if not len(starts) or len(below) < 0.9 * len(starts):
         return False, None
-    return True, max(set(below), key=below.count)
-
-
-def _material_at(obj: bpy.types.Object, face: int) -> bpy.types.Material | None:
-    if not obj.material_slots:
-        return None
-    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    polygons = shown.data.polygons if shown.type == "MESH" else ()
-    index = polygons[face].material_index if face < len(polygons) else 0
-    return obj.material_slots[min(index, len(obj.material_slots) - 1)].material
+    usual = around.materials[max(sorted(set(below)), key=below.count)]
+    return True, next((m for m in bpy.data.materials if m.name_full == usual), None)
 
 
 def _places(
-    depsgraph: bpy.types.Depsgraph,
-    chosen: Collection[bpy.types.Material],
-    rng: np.random.Generator,
-) -> Iterator[tuple[list[float], NDArray[np.float64]]]:
-    """Yield a point just over a face and its normal (3,), for some places evenly over all."""
-    triangles = _triangles(depsgraph, {material.name_full for material in chosen})
-    vectors = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    areas = np.linalg.norm(vectors, axis=1)
-    if not areas.sum() > 0.0:
-        return
-    places = np.searchsorted(np.cumsum(areas) / areas.sum(), (np.arange(_POINTS) + 0.5) / _POINTS)
-    lift = _LIFT * np.ptp(triangles.reshape(-1, 3), axis=0).max()
-    for place in np.minimum(places, len(areas) - 1):
-        # Evenly over the triangle (R. Osada et al. 2002, DOI 10.1145/571647.571648).
-        root, along = np.sqrt(rng.random()), rng.random()
-        origin = np.array([1.0 - root, root * (1.0 - along), root * along]) @ triangles[place]
-        normal = vectors[place] / areas[place]
-        yield (origin + lift * normal).tolist(), normal
+    around: PlacedMeshes, chosen: Collection[bpy.types.Material], rng: np.random.Generator
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return points just over faces of some materials and their normals, (k, 3) and (k, 3).
 
-
-def _triangles(depsgraph: bpy.types.Depsgraph, names: set[str]) -> NDArray[np.float64]:
-    """Return the triangles (n, 3, 3) with materials so named, in the world, fronts out.
-
-    Of evaluated meshes and their instances.
+    Evenly over all such faces; k is 0 where there are none.
     """
-    found = [np.empty((0, 3, 3))]
-    for instance in depsgraph.object_instances:
-        shown = instance.object
-        if shown.type != "MESH" or not any(
-            slot.material is not None and slot.material.name_full in names
-            for slot in shown.material_slots
-        ):
-            continue
-        triangles, slots, materials = triangles_of(shown)
-        kept = triangles[np.isin(materials, list(names))[slots]]
-        to_world = np.array(instance.matrix_world)
-        placed = kept @ to_world[:3, :3].T + to_world[:3, 3]
-        mirrored = np.linalg.det(to_world[:3, :3]) < 0.0
-        found.append(placed[:, ::-1] if mirrored else placed)
-    return np.concatenate(found)
+    names = [material.name_full for material in chosen]
+    own = np.isin(around.materials, names)[around.material]
+    areas = around.areas(own) if own.any() else np.zeros(0)
+    ends, none = np.cumsum(areas), np.empty((0, 3))
+    if not areas.sum() > 0.0:
+        return none, none
+    low, high = (box[areas > 0.0] for box in around.boxes)
+    lift = _LIFT * (high.max(axis=0) - low.min(axis=0)).max()
+    starts, normals = [], []
+    for along in (np.arange(_POINTS) + 0.5) / _POINTS * ends[-1]:
+        place = min(int(np.searchsorted(ends, along)), len(areas) - 1)
+        vectors = around.normals(place)
+        within = np.cumsum(np.linalg.norm(vectors, axis=1) * own[around.of(place)])
+        rest = (along - (ends[place] - areas[place])) / areas[place] * within[-1]
+        face = min(int(np.searchsorted(within, rest)), len(within) - 1)
+        # Evenly over the triangle (R. Osada et al. 2002, DOI 10.1145/571647.571648).
+        root, across = np.sqrt(rng.random()), rng.random()
+        shares = np.array([1.0 - root, root * (1.0 - across), root * across])
+        matrix = around.matrices[place]
+        corners = around.triangles[around.of(place)][face]
+        at = shares @ corners @ matrix[:3, :3].T + matrix[:3, 3]
+        normals.append(vectors[face] / np.linalg.norm(vectors[face]))
+        starts.append(at + lift * normals[-1])
+    return np.array(starts), np.array(normals)
