@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..choices import OPEN
 from ..sky.light import SkyLight
 from ..spectra.working_spaces import rec709_to_working
 from ..transfer.assignment import Assignment
@@ -23,6 +24,9 @@ from .materials.spectral_material import Surface
 from .world import hdri, panorama
 from .world.light_record import LightRecord
 from .world.settings import Settings
+
+NOTICED = 0.05
+"""Share of the sky whose lack on a white wall is seen: CIEDE2000 1."""
 
 Assignments = Mapping[bpy.types.Material, Assignment]
 
@@ -87,9 +91,12 @@ def make(world: bpy.types.World | None, given: Assignments, settings: Settings) 
     assert world is not None  # else it had raised
     light, choice = _choose(light, surfaces, settings)
     model = sky_line(choice, light)
-    if settings.tolerance is not None and bpy.context.scene.world == world:
+    hidden = None
+    wanted = settings.tolerance is not None or settings.shadows == OPEN
+    if wanted and bpy.context.scene.world == world:
         hidden = sky_exposure.hidden_share(bpy.context.scene, list(surfaces))
-        model += "" if hidden is None else f"; {visibility_line(hidden, settings.tolerance)}"
+    if settings.tolerance is not None and hidden is not None:
+        model += f"; {visibility_line(hidden, settings.tolerance)}"
     reflectances = {material: one.values for material, one in surfaces.items()}
     lights = scene_lighting.find(world, light, choice.transfer, settings, reflectances)
     towards_sun = scene_lighting.towards_sun(world, light, settings)
@@ -109,7 +116,7 @@ def make(world: bpy.types.World | None, given: Assignments, settings: Settings) 
         {material: one for material, one in given.items() if one.faces},
         LightRecord.of(
             light.report(),
-            caption=lights.caption,
+            caption=_caption(lights, hidden),
             settings=settings.plain(),
             space=choice.transfer.space,
             image=hdri.sky_of(world).name,
@@ -158,11 +165,11 @@ def _material(
         colour=tuple(prediction.colour[k].tolist()),
         out_of_gamut=bool(prediction.out_of_gamut[k]),
         line=choice.line(k, f"{material.name} ({given.name})"),
+        unknown=prediction.unknown,
     )
     followed = given.estimated or texture is not None
     details = Details(
         result,
-        unknown=prediction.unknown,
         values=tuple(given.values.tolist()),
         measured=given.measured,
         source=tuple(base_color.source(material)) if followed else None,
@@ -184,6 +191,17 @@ def _material(
     if texture is not None:
         comparison |= rgb_comparison.texture(lights, texture, given.values)
     return MaterialPlan(material, given, surface, texture, comparison)
+
+
+def _caption(lights: Lights, hidden: float | None) -> str:
+    """What a picture must say, of an interior under the open sky too.
+
+    ``hidden``: the share of the sky that geometry keeps from the materials, None where unknown.
+    """
+    if lights.occlusion != OPEN or hidden is None or hidden < NOTICED:
+        return lights.caption
+    share = f"{100 * hidden:.0f} % of the sky is hidden from these materials and still lights them"
+    return f"{lights.caption}; {share}: they are too bright, most of all indoors"
 
 
 def _stacked(surfaces: Assignments) -> NDArray[np.float64]:

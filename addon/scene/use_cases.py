@@ -18,6 +18,7 @@ import numpy as np
 from .. import tags
 from ..choices import BAKED
 from ..errors import InputError
+from ..grouping import grouped
 from ..progress import Progress, run
 from ..sky.light import SkyLight
 from ..transfer.assignment import ESTIMATED, Assignment
@@ -286,17 +287,20 @@ def editable(
     Raises InputError where none is left of some.
     """
     kept: list[bpy.types.Material] = []
-    skipped: list[InputError] = []
+    skipped: list[tuple[str, InputError]] = []
     for material in found:
         try:
             spectral_material.check_editable(material)
         except InputError as error:
-            skipped.append(error)
+            skipped.append((material.name, error))
         else:
             kept.append(material)
     if skipped and not kept:
-        raise skipped[0]
-    return kept, [f"skipped: {error}" for error in skipped]
+        raise skipped[0][1]
+    if len(skipped) == 1:
+        return kept, [f"skipped: {skipped[0][1]}"]
+    causes = ((name, f"{error.problem}; {error.args[2]}") for name, error in skipped)
+    return kept, [f"skipped: {line}" for line in grouped(causes)]
 
 
 def bake(

@@ -9,12 +9,14 @@ import bpy
 
 from ..choices import BAKED
 from ..errors import InputError
+from ..grouping import grouped
 from ..progress import Progress
 from .bake import scene_bake
 from .bake.light import SceneLight
 from .lights import lighting
 from .materials import (
     base_color,
+    eligibility,
     glass_and_metal,
     merge_groups,
     rgb_comparison,
@@ -73,7 +75,7 @@ def _finish(plan: Plan, fresh: list[bpy.types.Material]) -> None:
     lamps = plan.lights.lamps
     warnings = _follow(plan, fresh) + list(lamps.left_out if lamps is not None else ())
     warnings += lighting.refresh(world)
-    warnings += _not_shown(fresh)
+    warnings += _not_shown(fresh) + _not_lit(plan)
     warnings += glass_and_metal.refresh(scenes, plan.light, plan.choice.transfer)
     for scene in scenes:
         warnings += view_transform.refresh(scene, plan.record.level)
@@ -114,9 +116,17 @@ def _follow(plan: Plan, fresh: list[bpy.types.Material]) -> list[str]:
 
 
 def _not_shown(fresh: list[bpy.types.Material]) -> list[str]:
-    """A line for each material of whose look something is not carried over."""
-    return [
-        f"{material.name}: not shown while it is spectral: {', '.join(missing)}"
-        for material in fresh
-        if (missing := spectral_material.look_of(material).left_out)
-    ]
+    """Lines on materials of whose look something is not carried over."""
+    missing = [(material.name, spectral_material.look_of(material).left_out) for material in fresh]
+    return grouped(
+        (name, f"not shown while spectral: {', '.join(parts)}") for name, parts in missing if parts
+    )
+
+
+def _not_lit(plan: Plan) -> list[str]:
+    """Lines on materials whose light reaches nothing spectral, for only a bake carries it."""
+    if plan.lights.occlusion == BAKED:
+        return []
+    shown = (m for scene in lighting.scenes_of(plan.world) for m in eligibility.materials_of(scene))
+    why = "emits light that reaches spectral materials only with all light (baked)"
+    return grouped((m.name, why) for m in dict.fromkeys(shown) if eligibility.emits(m))

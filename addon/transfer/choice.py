@@ -68,8 +68,10 @@ class Choice:
         """Say in one line what was chosen for material k and why; empty without a light."""
         if self.prediction is None:
             return ""
+        clamped = "; out of gamut: Blender clamps it" if self.prediction.out_of_gamut[k] else ""
         if not self.prediction.known:
-            return f"{name}: {self.models[k]}, error unknown: {self.prediction.unknown}"
+            why = self.prediction.unknown
+            return f"{name}: {self.models[k]}, error unknown: {why}{clamped}"
         mean, bound = self.error(k)
         text = (
             f"{name}: {self.models[k]}, ΔE {mean:.1f} (at most {bound:.1f}), "
@@ -77,9 +79,7 @@ class Choice:
         )
         if self.tolerance is not None and bound > self.tolerance:
             text += f"; above the tolerance of {self.tolerance:g}"
-        if self.prediction.out_of_gamut[k]:
-            text += "; out of gamut: Blender clamps it"
-        return text
+        return f"{text}{clamped}"
 
     def report(self, k: int, name: str) -> dict[str, Any]:
         """Return what is predicted of material k, ready for JSON: nothing without a light.

@@ -5,8 +5,9 @@
 import bpy
 
 from ..choices import BAKED
+from ..grouping import grouped
 from ..progress import run
-from . import choice, operator, properties, update
+from . import choice, give, operator, properties, update
 
 
 class SKYLIGHT_OT_make_spectral(operator.Long, bpy.types.Operator):
@@ -50,10 +51,10 @@ its base color. Materials left alone are listed with the reason. Press Esc to st
     def finish(self, context, done):
         if done is None:
             return [("WARNING", "Stopped: the materials so far are spectral")]
-        lines = [("WARNING", r.line) for r in done.results if r.out_of_gamut]
+        lines = give.of_results(done.results)
         if properties.settings_of(context.scene.world).occlusion == BAKED:
             lines += update.unbaked(context)
-        lines += [("INFO", f"Left alone: {name}: {why}") for name, why in done.left]
+        lines += [("INFO", f"Left alone: {line}") for line in grouped(done.left)]
         return [*lines, *operator.of_light(context.scene), ("INFO", done.line)]
 
 

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
 
 import bpy
 
+from ..grouping import grouped
 from . import operator, properties
 from .choice import Chosen, keep
+
+if TYPE_CHECKING:
+    from ..scene.materials.record import Result
 
 Lines = list[tuple[str, str]]
 
@@ -20,7 +25,8 @@ def give(context: bpy.types.Context, chosen: Mapping[bpy.types.Material, Chosen]
     from ..scene import use_cases
 
     read = {m: one.read(m.skylight.absolute) for m, one in chosen.items()}
-    lines: Lines = [("INFO", f"{m.name}: {note}") for m, one in read.items() for note in one.notes]
+    notes = [(material.name, note) for material, one in read.items() for note in one.notes]
+    lines: Lines = [("INFO", line) for line in grouped(notes)]
     if operator.no_sky(context):
         said = "is chosen. Load a sky, then press Apply"
         lines += [("INFO", f"{m.name}: {one.column} {said}") for m, one in read.items()]
@@ -37,3 +43,15 @@ def give(context: bpy.types.Context, chosen: Mapping[bpy.types.Material, Chosen]
 def warnings(skipped: list[str]) -> Lines:
     """Lines on what was skipped, as buttons report them."""
     return [("WARNING", line) for line in skipped]
+
+
+def of_results(results: Iterable[Result]) -> Lines:
+    """What of many results needs the person: a line for each cause, with its materials."""
+    found = list(results)
+    clamped = [(r.material, "out of gamut under this sky: Blender clamps it") for r in found]
+    clamped = [line for line, r in zip(clamped, found, strict=True) if r.out_of_gamut]
+    unknown = [(r.material, f"error unknown: {r.unknown}") for r in found if r.unknown]
+    return [
+        *(("WARNING", line) for line in grouped(clamped)),
+        *(("INFO", line) for line in grouped(unknown)),
+    ]

@@ -8,6 +8,7 @@ import bpy
 
 from .. import tags
 from ..choices import BAKED
+from ..grouping import grouped, some
 from . import follow, staleness_handlers
 from .panel_text import paragraph
 
@@ -34,16 +35,15 @@ def problems(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """What needs the person: nothing where all is well."""
     from ..scene import out_of_date
 
-    for material in (found := staleness_handlers.stale_materials())[:ROWS]:
-        paragraph(
-            layout, context, f"{material.name}: {staleness_handlers.stale(material)}", "ERROR"
-        )
+    found = [(m.name, staleness_handlers.stale(m)) for m in staleness_handlers.stale_materials()]
+    for line in grouped(found)[:ROWS]:
+        paragraph(layout, context, line, "ERROR")
     if found:
         paragraph(layout, context, "Press Make Everything Spectral to update it")
     if light(layout):
         return
     if names := out_of_date.unbaked(context.scene):
-        text = f"Not baked, or changed since: {_some(names)}"
+        text = f"Not baked, or changed since: {some(names, 'object')}"
         paragraph(layout, context, text, "ERROR")
         layout.operator("skylight.bake")
     elif staleness_handlers.moved() and _is_by_hand(context):
@@ -78,12 +78,9 @@ def left_alone(context: bpy.types.Context) -> list[tuple[str, str]]:
 
 
 def left(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """A row for each material that one click left alone."""
-    found = left_alone(context)
-    for name, why in found[:ROWS]:
-        paragraph(layout, context, f"{name}: {why}")
-    if len(found) > ROWS:
-        layout.label(text=f"and {len(found) - ROWS} more")
+    """A paragraph for each reason why one click left materials alone."""
+    for line in grouped(left_alone(context))[:ROWS]:
+        paragraph(layout, context, line)
 
 
 def before_after(layout: bpy.types.UILayout) -> None:
@@ -176,7 +173,3 @@ def _is_by_hand(context: bpy.types.Context) -> bool:
     """Whether materials show bakes that no one but a person makes."""
     world = context.scene.world
     return world is not None and world.skylight.occlusion == BAKED
-
-
-def _some(names: list[str]) -> str:
-    return ", ".join(names[:5]) + (f" and {len(names) - 5} more" if names[5:] else "")

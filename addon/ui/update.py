@@ -2,6 +2,7 @@
 
 import bpy
 
+from ..grouping import some
 from . import choice, give, operator, properties, staleness_handlers
 
 
@@ -20,7 +21,7 @@ def update(context: bpy.types.Context) -> give.Lines:
     world = context.scene.world
     found = use_cases.update(context.scene, properties.settings_of(world))
     lines = give.warnings(found.skipped)
-    lines += [("WARNING", r.line) for r in found.results if r.out_of_gamut]
+    lines += give.of_results(found.results)
     changed, gone = choice.changed_files(use_cases.in_scene(context.scene))
     staleness_handlers.found_files(changed)
     lines += [("WARNING", f"{material.name}: {line}") for material, line in changed.items()]
@@ -37,7 +38,9 @@ def unbaked(context: bpy.types.Context) -> give.Lines:
 
     names = out_of_date.look_at_bakes(context.scene)
     staleness_handlers.found_bakes()
-    return [("WARNING", f"Not baked, or changed since: {', '.join(names)}")] if names else []
+    if not names:
+        return []
+    return [("WARNING", f"Not baked, or changed since: {some(names, 'object')}")]
 
 
 class SKYLIGHT_OT_update(operator.Thin, bpy.types.Operator):

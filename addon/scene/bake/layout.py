@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....node_groups import sky_bake
+from ...grouping import grouped
 from ...transport.cells import FINEST, Surfaces
 from ...transport.radiosity import Radiosity
 from . import storage
@@ -55,22 +56,22 @@ def begin(
     objects: Sequence[tuple[bpy.types.Object, bpy.types.Object]],
 ) -> tuple[list[str], list[Plan]]:
     """Return lines on what cannot be baked, and plans for the rest; that has no divisions yet."""
-    lines, plans = [], []
+    refused, plans = [], []
     found = storage.evaluated([obj for obj, _ in objects])
     for (obj, bake), fine in zip(objects, found, strict=True):
         problem = ""
         if fine is None or not fine.managed.any():
-            problem = "has no faces of a spectral material"
+            problem = "no faces of a spectral material"
         elif len(fine.places) > MOST:
-            problem = f"has over {MOST:,} vertices: bake it in parts"
+            problem = f"over {MOST:,} vertices: bake it in parts"
         elif abs(np.linalg.det(np.array(obj.matrix_world)[:3, :3])) < 1e-20:
-            problem = "is scaled to nothing"
+            problem = "no size"
         if problem or fine is None:
-            lines.append(f'object "{obj.name}" {problem}: not baked')
+            refused.append((obj.name, f"not baked, for it has {problem}"))
             continue
         lengths, split = _shapes(obj, fine)
         plans.append(Plan(obj, bake, fine, np.zeros(len(lengths), int), split, lengths))
-    return lines, plans
+    return grouped(refused, "object"), plans
 
 
 def bends(radiosity: Radiosity) -> NDArray[np.float64]:

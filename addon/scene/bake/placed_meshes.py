@@ -123,6 +123,8 @@ class PlacedMeshes:
         Both are -1 where it meets nothing.
         """
         place, triangle = np.full(len(origins), -1), np.full(len(origins), -1)
+        if not len(origins) or not len(self.mesh):
+            return place, triangle
         nearest = np.full(len(origins), np.inf)
         rays, places = self._met_boxes(origins, ways)
         order = np.argsort(places, kind="stable")

@@ -10,8 +10,10 @@ from __future__ import annotations
 from collections.abc import Collection, Generator
 
 import bpy
+import numpy as np
 
 from ... import tags
+from ...grouping import grouped
 from ...progress import Progress
 from . import geometry, instance_proxies, session, storage, surroundings
 from . import light as light_of_scene
@@ -22,9 +24,16 @@ in (`instances`); metaballs, and what faces, vertices and particles instance, ke
 
 
 def is_managed(obj: bpy.types.Object) -> bool:
-    """Whether an object, as it is or evaluated, has a managed material."""
-    materials = (slot.material for slot in obj.material_slots)
-    return any(material is not None and tags.MATERIAL in material for material in materials)
+    """Whether an object, as it is or evaluated, shows a managed material; of a mesh a face must."""
+    materials = [slot.material for slot in obj.material_slots]
+    managed = [material is not None and tags.MATERIAL in material for material in materials]
+    if obj.type != "MESH" or obj.data is None or (obj.modifiers and not obj.is_evaluated):
+        return any(managed)
+    if not obj.data.polygons or not any(managed) or all(managed):
+        return bool(obj.data.polygons) and any(managed)
+    used = np.empty(len(obj.data.polygons), np.int32)
+    obj.data.polygons.foreach_get("material_index", used)
+    return bool(np.array(managed)[np.minimum(used, len(managed) - 1)].any())
 
 
 def targets(selected: bool = False) -> list[bpy.types.Object]:
@@ -92,7 +101,7 @@ def bake(
     if changed_only and chosen:
         chosen = _stale(chosen)
     refused = {obj: _hindrance(obj) for obj in chosen}
-    lines += [f'object "{obj.name}" {why}: not baked' for obj, why in refused.items() if why]
+    lines += grouped(((obj.name, why) for obj, why in refused.items() if why), "object")
     chosen = [obj for obj in chosen if not refused[obj]]
     done = 0
     try:
@@ -110,7 +119,7 @@ def _real(
 ) -> tuple[list[bpy.types.Object], list[str]]:
     """Objects with stand-ins for the instances of Empties among them, and lines to say."""
     real: list[bpy.types.Object] = []
-    empties, lines = [], []
+    empties, linked = [], []
     there = instance_proxies.all_stand_ins()
     for obj in objects:
         if instance_proxies.instances_of(obj, there.get(obj, ())) is None:
@@ -118,8 +127,8 @@ def _real(
         elif obj.is_editable and obj.library is None:
             empties.append(obj)
         else:
-            reason = "is linked from another file: the open sky lights its instances"
-            lines.append(f'object "{obj.name}" {reason}')
+            linked.append((obj.name, "linked from another file: the open sky lights its instances"))
+    lines = grouped(linked, "object")
     return (real + instance_proxies.spread(empties, is_managed) if empties else real), lines
 
 
@@ -132,18 +141,18 @@ def _gather() -> None:
 
 
 def _left_open() -> list[str]:
-    """A line for each object that shows spectral things under the open sky, for they have no mesh
-    that a bake could belong to."""
-    lines = {}
+    """Lines on objects that show spectral things under the open sky, for they have no mesh that a
+    bake could belong to."""
+    found = {}
     for each in bpy.context.evaluated_depsgraph_get().object_instances:
         by = (each.parent if each.is_instance else each.object).original
         if not is_managed(each.object):
             continue
         if each.particle_system is not None or by.instance_type in ("VERTS", "FACES"):
-            lines[by.name] = "instances under the open sky: make them real"
+            found[by.name] = "shows instances under the open sky: make them real"
         elif by.type == "META":
-            lines[by.name] = "a metaball under the open sky: convert it to a mesh"
-    return [f'object "{name}" shows {line}' for name, line in lines.items()]
+            found[by.name] = "shows a metaball under the open sky: convert it to a mesh"
+    return grouped(found.items(), "object")
 
 
 def remove(objects: Collection[bpy.types.Object] | None = None) -> int:
@@ -195,7 +204,7 @@ def _stale(objects: Collection[bpy.types.Object]) -> list[bpy.types.Object]:
 
 def _hindrance(obj):
     if obj.library is not None or obj.override_library is not None or not obj.is_editable:
-        return "is linked from another file (make it local, or bake it there)"
+        return "not baked, for it is linked from another file: make it local, or bake it there"
     if obj.mode != "OBJECT":
-        return "is being edited (leave that mode first)"
+        return "not baked, for it is being edited: leave that mode first"
     return ""

@@ -67,6 +67,15 @@ def reason(material: bpy.types.Material) -> str:
     return next(filter(None, found), "")
 
 
+def emits(material: bpy.types.Material) -> bool:
+    """Whether a material sends out light of its own, spectral or not."""
+    sources = (
+        material_outputs.source_before(material.node_tree, output)
+        for output in material_outputs.before(material)
+    )
+    return any(_shines(node) for source in sources for node in nodes.shaders(source))
+
+
 def unchangeable(material: bpy.types.Material) -> str:
     """Why this file cannot change a material, empty where it can."""
     try:

@@ -24,7 +24,7 @@ class Result:
 
     ``model``: one of `choice.MODELS`; expected CIEDE2000 of RGB × RGB and of the model, and the
     model's to count on (``bound``), NaN where unknown; ``colour``: RGB on level ground in the
-    working space; ``line``: all that in words.
+    working space; ``line``: all that in words; ``unknown``: why no error could be predicted.
     """
 
     material: str
@@ -36,6 +36,7 @@ class Result:
     colour: tuple[float, float, float] = (0.0, 0.0, 0.0)
     out_of_gamut: bool = False
     line: str = ""
+    unknown: str = ""
 
 
 @dataclass(frozen=True)
@@ -44,12 +45,11 @@ class Details:
 
     ``values``: the reflectance (81,), empty in files of the first version; ``measured``: from where
     to where [nm]; ``source``: what base color it came from (`base_color.source`), None for a
-    measured one without a texture; ``white``: the luminance of white on level ground; ``unknown``:
-    why no error could be predicted; ``unit``, ``file`` and ``behind`` as `Assignment` has them.
+    measured one without a texture; ``white``: the luminance of white on level ground;
+    ``unit``, ``file`` and ``behind`` as `Assignment` has them.
     """
 
     result: Result | None = None
-    unknown: str = ""
     values: tuple[float, ...] = ()
     measured: tuple[float, float] | None = None
     source: tuple[Any, ...] | None = None
@@ -65,7 +65,7 @@ class Details:
         if found is None:
             return []
         if not math.isfinite(found.rgb_delta_E):
-            lines = [f"Error unknown: {self.unknown or 'the sky is dark'}"]
+            lines = [f"Error unknown: {found.unknown or 'the sky is dark'}"]
         else:
             rgb, ours = found.rgb_delta_E, found.matrix_delta_E
             lines = [f"Mean error: ΔE {rgb:.1f} with RGB × RGB, {ours:.1f} spectral"]
