@@ -47,6 +47,11 @@ def set_matrix(node: bpy.types.Node, matrix) -> None:
         node.inputs[name].default_value = tuple(float(entry) for entry in row)
 
 
+def is_whole(node: bpy.types.Node) -> bool:
+    """Whether a group node has all inputs of a matrix; not where its group was removed by hand."""
+    return all(name in node.inputs for name in ROWS)
+
+
 def get_matrix(node: bpy.types.Node) -> list[list[float]]:
     """The (3, 3) row-major matrix in the row inputs of a group node."""
     return [list(node.inputs[name].default_value) for name in ROWS]

@@ -11,6 +11,8 @@ import bpy
 KIND = "spectral_skylight_kind"
 VERSION = "spectral_skylight_version"
 VARIANT = "spectral_skylight_variant"
+NODES = "spectral_skylight_nodes"
+"""How many nodes were built: with fewer, somebody has taken some out."""
 
 
 class Socket(NamedTuple):
@@ -38,7 +40,8 @@ def known(kind: str, version: int) -> bpy.types.NodeTree | None:
 
 def is_newer(tree: bpy.types.NodeTree, version: int) -> bool:
     """Whether a group was made by a newer version of its kind: it is to be left alone."""
-    return tree.get(VERSION, 0) > version
+    found = tree.get(VERSION, 0)
+    return isinstance(found, int | float) and found > version
 
 
 def kind_of(node: bpy.types.Node) -> str | None:
@@ -71,8 +74,9 @@ def ensure(
 
     An older group, or one of another variant (what of a kind is inside), keeps its identity and its
     sockets, and with them (`interface.clear()` would lose them) its users' values and links;
-    missing sockets are added, those that are no more are taken away, the inside is built anew. A
-    group at this version gets the descriptions that it lacks, which changes no shader.
+    missing sockets are added, those that are no more are taken away, the inside is built anew; so
+    is that of a group that somebody has taken sockets or nodes out of. A whole group at this
+    version gets the descriptions that it lacks, which changes no shader.
     """
     if tree is None:
         tree = bpy.data.node_groups.new(kind, tree_type)
@@ -80,6 +84,7 @@ def ensure(
         if tree_type == "GeometryNodeTree":
             tree.is_modifier = True
     current = tree.get(VERSION) == version and tree.get(VARIANT, "") == variant
+    current = current and _is_whole(tree, inputs, outputs)
     for in_out, sockets in (("INPUT", inputs), ("OUTPUT", outputs)):
         for socket in sockets:
             item = _find(tree, in_out, socket.name)
@@ -95,8 +100,18 @@ def ensure(
         tree.nodes.clear()
         build(tree)
         arrange(tree)
-        tree[VERSION], tree[VARIANT] = version, variant
+        tree[VERSION], tree[VARIANT], tree[NODES] = version, variant, len(tree.nodes)
     return tree
+
+
+def _is_whole(
+    tree: bpy.types.NodeTree, inputs: Sequence[Socket], outputs: Sequence[Socket]
+) -> bool:
+    """Whether a group has all sockets and as many nodes as were built; more are a user's own."""
+    built = tree.get(NODES, 1)
+    sockets = (("INPUT", s.name) for s in inputs), (("OUTPUT", s.name) for s in outputs)
+    found = all(_find(tree, *each) is not None for some in sockets for each in some)
+    return found and len(tree.nodes) >= (built if isinstance(built, int) else 1)
 
 
 def _find(

@@ -10,6 +10,7 @@ from .. import tags
 from ..choices import BAKED
 from ..transfer.assignment import ESTIMATED
 from .bake import scene_bake
+from .blend_data import kept
 from .lights import lighting
 from .materials import base_color, spectral_material
 from .world import light_group
@@ -54,7 +55,8 @@ def are_shown(scene: bpy.types.Scene) -> bool:
 
 def unbaked(scene: bpy.types.Scene) -> list[str]:
     """What `look_at_bakes` kept."""
-    return json.loads(scene.get(tags.UNBAKED, "[]"))
+    found: list[str] = kept.plain(scene, tags.UNBAKED, [])
+    return found if kept.are_texts(found) else []
 
 
 def caption(scene: bpy.types.Scene) -> str:

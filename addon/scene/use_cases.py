@@ -29,6 +29,7 @@ from . import clear, out_of_date, scene_lighting
 from . import plan as planning
 from .bake import scene_bake, session
 from .bake.light import SceneLight
+from .blend_data import kept
 from .lights import lighting
 from .materials import base_color, eligibility, spectral_material
 from .materials.assigned import assigned, in_file
@@ -198,7 +199,8 @@ def _what(
 
 def left_alone(scene: bpy.types.Scene) -> list[tuple[str, str]]:
     """Names of materials that `make_everything_spectral` left alone, and why; empty before."""
-    return [(name, why) for name, why in json.loads(scene.get(tags.LEFT_ALONE, "[]"))]
+    found: list[Any] = kept.plain(scene, tags.LEFT_ALONE, [])
+    return [(each[0], each[1]) for each in found if kept.are_texts(each) and len(each) == 2]
 
 
 def resolved(given: Mapping[bpy.types.Material, Assignment | None]) -> Assignments:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ....node_groups import light_probe
 from ....node_groups.drivers import drive
 from ... import tags
+from ..blend_data import kept
 from ..world import hdri as worlds
 from . import light_linking
 
@@ -148,8 +149,8 @@ def remove(scene: bpy.types.Scene, parts: Container[str]) -> None:
 def release_threshold(world: bpy.types.World | None) -> None:
     """Give a World its own threshold for suns back."""
     if world is not None and tags.SUN_THRESHOLD in world:
-        world.sun_threshold, shadow = world[tags.SUN_THRESHOLD]
-        world.use_sun_shadow = bool(shadow)
+        if before := kept.numbers(world, tags.SUN_THRESHOLD, 2):
+            world.sun_threshold, world.use_sun_shadow = before[0], bool(before[1])
         del world[tags.SUN_THRESHOLD]
 
 

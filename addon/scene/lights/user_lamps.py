@@ -22,6 +22,7 @@ from ...spectra.working_spaces import LUMINANCE, rec709_to_working
 from ...transfer.lamps import Classes, classes, lamp_spectrum
 from ...transfer.matrices import Transfer
 from ...transfer.prefilter import balanced_rgb
+from ..blend_data import kept
 from . import rendered_lamps, sun_lamp
 from .rendered_lamps import RenderedLamp
 
@@ -30,7 +31,7 @@ TWIN = "twin"
 
 def spectrum_of(light: bpy.types.Light) -> str:
     """What a lamp's spectrum is, as `transfer.lamps.lamp_spectrum` understands it; empty: color."""
-    return light.get(tags.LAMP_SPECTRUM, "")
+    return kept.text(light, tags.LAMP_SPECTRUM)
 
 
 def set_spectrum(light: bpy.types.Light, spectrum: str) -> None:
@@ -67,7 +68,7 @@ def find(scene: bpy.types.Scene, transfer: Transfer, rho: NDArray[np.float64]) -
         own = _colour(light)
         if nodes.left_out:
             left_out.append((one.lamp.name, f"shines without its nodes: {nodes.left_out}"))
-        given: str | NDArray[np.float64] = light.get(tags.LAMP_SPECTRUM) or ""
+        given: str | NDArray[np.float64] = kept.text(light, tags.LAMP_SPECTRUM)
         if not given and nodes.kelvin and np.ptp(own) < 1e-6 * own.max():
             given = f"{nodes.kelvin:g}K"
         colour = own * nodes.factor * _black_body(nodes.kelvin, transfer)

@@ -23,7 +23,7 @@ from ...transfer.assignment import Assignment
 from ...transfer.matrices import Transfer
 from ...transfer.metals import tints
 from ...transfer.prefilter import prefiltered
-from ..blend_data import drivers, nodes
+from ..blend_data import drivers, kept, nodes
 from ..lights import light_linking
 from . import material_outputs, rgb_comparison, saved_settings, shader_rewrite, spectral_material
 
@@ -52,7 +52,7 @@ def glaze(material: bpy.types.Material, pane: Assignment) -> None:
     node.inputs["Faces"].default_value = float(pane.faces)
     saved_settings.own(material, saved_settings.GLASS)
     material[tags.MATERIAL] = {
-        **material[tags.MATERIAL].to_dict(),
+        **kept.mapping(material, tags.MATERIAL),
         "id": glazing.KIND,
         "reflectance": pane.name,
         "values": pane.values.tolist(),
@@ -65,16 +65,26 @@ def pane_node(material: bpy.types.Material | None) -> bpy.types.Node | None:
     """The `Spectral Glazing` node of a material that is glass of ours, None for another."""
     if material is None or tags.MATERIAL not in material or material.node_tree is None:
         return None
+    if not _transmittance(material):
+        return None
     return next((n for n in material.node_tree.nodes if n.get(tags.NODE) == "glass"), None)
+
+
+def _transmittance(material: bpy.types.Material) -> tuple[float, ...]:
+    """What `glaze` kept, empty where that is not whole."""
+    found = kept.mapping(material, tags.MATERIAL)
+    values = found.get("values")
+    whole = kept.are_numbers(values, 81) and isinstance(found.get("reflectance"), str)
+    return tuple(values) if whole and values is not None else ()
 
 
 def pane_of(material: bpy.types.Material) -> Assignment:
     """What `glaze` made a material of."""
-    node, record = pane_node(material), material[tags.MATERIAL]
+    node, record = pane_node(material), kept.mapping(material, tags.MATERIAL)
     assert node is not None
     return Assignment(
         record["reflectance"],
-        np.array(record["values"]),
+        np.array(_transmittance(material)),
         faces=round(node.inputs["Faces"].default_value),
         unit=record.get("unit", ""),
         source=record.get("file", ""),
@@ -100,8 +110,8 @@ def metal_of(material: bpy.types.Material) -> tuple[NDArray, NDArray] | None:
     """What `keep_metal` kept, None without."""
     if tags.METAL not in material:
         return None
-    n, k = np.array(material[tags.METAL]).reshape(2, 81)
-    return n, k
+    values = kept.numbers(material, tags.METAL, 2 * 81)
+    return (np.array(values[:81]), np.array(values[81:])) if values else None
 
 
 def refresh(scenes: Iterable[bpy.types.Scene], light: SkyLight, transfer: Transfer) -> list[str]:
@@ -113,7 +123,7 @@ def refresh(scenes: Iterable[bpy.types.Scene], light: SkyLight, transfer: Transf
             plain = zip(gloss.METAL_COLOURS, tints(*metal, D65(), transfer.space), strict=True)
             rgb_comparison.keep(material, {("gloss", name): (*rgb, 1.0) for name, rgb in plain})
         elif (node := pane_node(material)) is not None:
-            tau = np.array(material[tags.MATERIAL]["values"])
+            tau = np.array(_transmittance(material))
             tint, plain_tint = (
                 (*np.clip(prefiltered(tau, spectrum, transfer.space), 0.0, 1.0).tolist(), 1.0)
                 for spectrum in (sky, D65())

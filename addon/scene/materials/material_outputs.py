@@ -6,7 +6,7 @@ import bpy
 
 from ....node_groups import tree as groups
 from ... import tags
-from ..blend_data import nodes
+from ..blend_data import kept, nodes
 
 ENGINES = ("EEVEE", "CYCLES")
 
@@ -21,7 +21,7 @@ def before(material: bpy.types.Material) -> list[bpy.types.Node]:
 def without_nodes(material: bpy.types.Material) -> bool:
     """Whether a material has no nodes but ours: Blender 4.5 shows its viewport colour then."""
     if tags.MATERIAL in material:
-        return bool(material[tags.MATERIAL].get("without_nodes"))
+        return bool(kept.mapping(material, tags.MATERIAL).get("without_nodes"))
     return bpy.app.version < (5, 0, 0) and not material.use_nodes
 
 
@@ -49,27 +49,33 @@ def remember(material: bpy.types.Material) -> list[bpy.types.Node]:
         output[tags.OUTPUT] = number
         if surface.is_linked:
             link = surface.links[0]
-            memory = dict(link.from_node.get(tags.OUTPUT_SOURCE, {}))
+            memory = kept.mapping(link.from_node, tags.OUTPUT_SOURCE)
             memory[str(number)] = [link.from_socket.identifier, str(int(link.is_muted))]
             link.from_node[tags.OUTPUT_SOURCE] = memory
     return outputs
+
+
+def _memory(source: bpy.types.Node, number: str) -> list[str]:
+    """What a node remembers of an output that it fed: its socket's identifier, and if muted."""
+    found = kept.mapping(source, tags.OUTPUT_SOURCE).get(number)
+    return list(found or ()) if kept.are_texts(found) and len(found or ()) == 2 else []
 
 
 def source_before(tree: bpy.types.NodeTree, output: bpy.types.Node) -> bpy.types.NodeSocket | None:
     """What feeds an output, or fed it before we did."""
     number = str(output.get(tags.OUTPUT))
     for source in tree.nodes:
-        if number in source.get(tags.OUTPUT_SOURCE, {}):
-            identifier = source[tags.OUTPUT_SOURCE][number][0]
+        if found := _memory(source, number):
+            identifier = found[0]
             return next((s for s in source.outputs if s.identifier == identifier), None)
     return nodes.source(output.inputs["Surface"])
 
 
 def _plug_back(tree: bpy.types.NodeTree, surface: bpy.types.NodeSocket, number: str) -> None:
     for source in tree.nodes:
-        if number not in source.get(tags.OUTPUT_SOURCE, {}):
+        if not (found := _memory(source, number)):
             continue
-        identifier, muted = source[tags.OUTPUT_SOURCE][number]
+        identifier, muted = found
         for socket in source.outputs:
             if socket.identifier == identifier:
                 tree.links.new(socket, surface).is_muted = muted == "1"

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields
 from functools import lru_cache
 from typing import Any
@@ -16,6 +16,7 @@ import bpy
 
 from ....node_groups import skylight_surface
 from ... import tags
+from ..blend_data import kept
 
 
 @dataclass(frozen=True)
@@ -88,10 +89,45 @@ class Details:
 
 @lru_cache(maxsize=4096)
 def _details(text: str) -> Details:
-    found = _plain(json.loads(text))
-    result = {f.name: found[f.name] for f in fields(Result) if f.name in found}
-    own = {f.name: found[f.name] for f in fields(Details) if f.name in found}
-    return Details(Result(**result) if "material" in result else None, **own)
+    found = _plain(kept.parsed(text, {}))
+    result = {name: found[name] for name, right in _RESULT.items() if right(found.get(name))}
+    own = {name: found[name] for name, right in _DETAILS.items() if right(found.get(name))}
+    return Details(
+        Result(**result) if {"material", "reflectance"} <= result.keys() else None, **own
+    )
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str)
+
+
+def _is_error(value: Any) -> bool:
+    """Whether a value is a number; NaN is an error that is unknown."""
+    return isinstance(value, float) or kept.is_number(value)
+
+
+_RESULT: dict[str, Callable[[Any], bool]] = {
+    "material": _is_text,
+    "reflectance": _is_text,
+    "model": _is_text,
+    "rgb_delta_E": _is_error,
+    "matrix_delta_E": _is_error,
+    "bound": _is_error,
+    "colour": lambda value: kept.are_numbers(value, 3),
+    "out_of_gamut": lambda value: isinstance(value, bool),
+    "line": _is_text,
+}
+_DETAILS: dict[str, Callable[[Any], bool]] = {
+    "unknown": _is_text,
+    "values": lambda value: kept.are_numbers(value, 81) or value == (),
+    "measured": lambda value: kept.are_numbers(value, 2),
+    "source": lambda value: isinstance(value, tuple),
+    "white": kept.is_number,
+    "unit": _is_text,
+    "file": _is_text,
+    "behind": _is_text,
+}
+"""Whether a value is one that a field can have; others count as missing."""
 
 
 def _plain(found: Mapping[str, Any]) -> dict[str, Any]:
@@ -126,9 +162,9 @@ class MaterialRecord:
     @classmethod
     def of(cls, material: bpy.types.Material) -> MaterialRecord | None:
         """Return what a material keeps, None for one without, or one damaged by hand."""
-        kept = material.get(tags.MATERIAL)
-        if not hasattr(kept, "to_dict") or "extra" not in kept:
+        found = kept.mapping(material, tags.MATERIAL)
+        texts = [found.get(name) for name in ("reflectance", "reflectance_hash", "extra")]
+        if not kept.are_texts(texts):
             return None
-        found = kept.to_dict()
         own = {f.name: found[f.name] for f in fields(cls) if f.name in found}
         return cls(**own, details=Details.from_json(found["extra"]))

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ....node_groups import skylight_surface, spectral_matrix
 from ... import tags
 from ...transfer.prediction import rgb_albedo
+from ..blend_data import kept
 from ..lights.lighting import Lights
 
 Values = Mapping[tuple[str, str], Any]
@@ -49,10 +50,10 @@ def texture(found: Lights, reflectances: NDArray[np.float64], rho: NDArray[np.fl
 
 def keep(material: bpy.types.Material, values: Values) -> None:
     """Keep with a material the values that RGB times RGB gives; others that were kept stay."""
-    kept = json.loads(material.get(tags.COMPARISON, "{}"))
+    given = _kept(material)
     for (role, name), value in values.items():
-        kept[f"{role}/{name}"] = [float(part) for part in value]
-    material[tags.COMPARISON] = json.dumps(kept)
+        given[f"{role}/{name}"] = [float(part) for part in value]
+    material[tags.COMPARISON] = json.dumps(given)
 
 
 def show(rgb: bool) -> int:
@@ -82,22 +83,26 @@ def matrices(
 
     The second is None where an earlier version made the material.
     """
-    kept = json.loads(material.get(tags.COMPARISON, "{}"))
-    rows = [kept.get(f"surface/{row}") for row in spectral_matrix.ROWS]
-    if not all(rows):
+    given = _kept(material)
+    rows = [given.get(f"surface/{row}", []) for row in spectral_matrix.ROWS]
+    if not all(len(row) == 3 for row in rows):
         return shown, None
     return (rows, shown) if tags.SHOWS_RGB in material else (shown, rows)
 
 
+def _kept(material: bpy.types.Material) -> dict[str, list[float]]:
+    found: dict[str, list[float]] = kept.plain(material, tags.COMPARISON, {})
+    return {key: value for key, value in found.items() if kept.are_numbers(value)}
+
+
 def _swap(material: bpy.types.Material) -> None:
-    kept = json.loads(material[tags.COMPARISON])
+    given = _kept(material)
     for role, socket in _sockets(material):
         key = f"{role}/{socket.name}"
-        if key in kept:
-            now = list(socket.default_value)
-            socket.default_value = kept[key]
-            kept[key] = now
-    material[tags.COMPARISON] = json.dumps(kept)
+        if key in given and len(given[key]) == len(now := list(socket.default_value)):
+            socket.default_value = given[key]
+            given[key] = now
+    material[tags.COMPARISON] = json.dumps(given)
     if tags.SHOWS_RGB in material:
         del material[tags.SHOWS_RGB]
     else:

@@ -6,12 +6,14 @@ light reaches others by chance as well, and with less noise, see `tests/scene/te
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Iterable, Iterator
 from typing import Any
 
 import bpy
 
 from ... import tags
+from ..blend_data import kept
 
 UNSET = ""  # it was Blender's default
 SURFACE = {"cycles.emission_sampling": "NONE"}
@@ -22,11 +24,11 @@ GLASS = {"surface_render_method": "BLENDED", "use_transparent_shadow": True}
 
 def own(material: bpy.types.Material, settings: dict[str, Any] = SURFACE) -> None:
     """Set a material's settings and keep what was there before, once."""
-    kept = dict(material.get(tags.MATERIAL_SETTINGS, {}))
+    before = kept.mapping(material, tags.MATERIAL_SETTINGS)
     for path, owner, name in _found(material, settings):
-        kept.setdefault(path, getattr(owner, name) if owner.is_property_set(name) else UNSET)
+        before.setdefault(path, getattr(owner, name) if owner.is_property_set(name) else UNSET)
         setattr(owner, name, settings[path])
-    material[tags.MATERIAL_SETTINGS] = kept
+    material[tags.MATERIAL_SETTINGS] = before
 
 
 def show_colour(material: bpy.types.Material, rgb: Iterable[float]) -> None:
@@ -39,8 +41,8 @@ def show_colour(material: bpy.types.Material, rgb: Iterable[float]) -> None:
 def viewport_colour(material: bpy.types.Material) -> tuple[float, float, float, float]:
     """The viewport colour, RGBA, that a material has of its own: a user's since, or that before."""
     now = tuple(material.diffuse_color)
-    kept = tuple(material.get(tags.VIEWPORT_COLOR, ()))
-    return kept[:4] if kept[4:] == now else now  # type: ignore[return-value]
+    before = kept.numbers(material, tags.VIEWPORT_COLOR, 8)
+    return before[:4] if before[4:] == now else now  # type: ignore[return-value]
 
 
 def give_back(material: bpy.types.Material) -> None:
@@ -48,12 +50,14 @@ def give_back(material: bpy.types.Material) -> None:
 
     What else we keep on a material leaves with that.
     """
-    kept = dict(material.get(tags.MATERIAL_SETTINGS, {}))
-    for path, owner, name in _found(material, kept):
-        if getattr(owner, name) == {**SURFACE, **GLASS}[path]:
+    ours = {**SURFACE, **GLASS}
+    before = kept.mapping(material, tags.MATERIAL_SETTINGS)
+    for path, owner, name in _found(material, {key: before[key] for key in before if key in ours}):
+        if getattr(owner, name) == ours[path]:
             owner.property_unset(name)
-            if kept[path] != UNSET:
-                setattr(owner, name, kept[path])
+            if before[path] != UNSET:
+                with contextlib.suppress(TypeError, ValueError):  # overwritten by hand
+                    setattr(owner, name, before[path])
     material.diffuse_color = viewport_colour(material)
     for key in (
         tags.MATERIAL_SETTINGS,

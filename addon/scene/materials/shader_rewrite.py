@@ -19,7 +19,7 @@ from bpy.types import NodeSocket as Socket
 from ....node_groups import gloss, spectral_texture
 from ....node_groups import tree as groups
 from ... import tags
-from ..blend_data import drivers, nodes
+from ..blend_data import drivers, kept, nodes
 
 MATT = "matt"
 BASES = {
@@ -166,7 +166,7 @@ def tops(tree: bpy.types.NodeTree, surface: Node) -> dict[str, Socket]:
     """What of a dressed surface is plugged into the outputs: a socket for "Shader" and "Cycles"."""
     found = {name: surface.outputs[name] for name in gloss.OUTPUTS}
     for node in tree.nodes:
-        for name in node.get(tags.NODE_OUTPUT, "").split():
+        for name in kept.text(node, tags.NODE_OUTPUT).split():
             found[name] = node.outputs.get(name) or node.outputs[0]
     return found
 

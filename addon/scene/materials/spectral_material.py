@@ -19,7 +19,7 @@ from ....node_groups import skylight_surface, spectral_matrix, spectral_texture
 from ....node_groups import tree as groups
 from ... import tags
 from ...errors import InputError
-from ..blend_data import nodes
+from ..blend_data import kept, nodes
 from ..lights import lighting
 from ..world import light_group
 from . import material_outputs, saved_settings, shader_rewrite
@@ -79,12 +79,12 @@ def apply(
     check_editable(material)
     group = group or light_group.ensure(world)
     node = surface_node(material)
-    kept = material.get(tags.MATERIAL, {})
+    before = kept.mapping(material, tags.MATERIAL)
     wanted = surface.gloss, surface.textured
     if (
         node is None
         or not is_shown(material)
-        or (kept.get("gloss"), kept.get("textured")) != wanted
+        or (before.get("gloss"), before.get("textured")) != wanted
     ):
         remove(material, stays=group)
         node = _take_over(material, group, *wanted)
@@ -96,7 +96,7 @@ def apply(
         surface.name,
         surface.hash,
         surface.details,
-        without_nodes=material.get(tags.MATERIAL, {}).get("without_nodes", False),
+        without_nodes=bool(kept.mapping(material, tags.MATERIAL).get("without_nodes")),
         gloss=surface.gloss,
         textured=surface.textured,
     ).keep(material)
@@ -167,7 +167,7 @@ def remove(material: bpy.types.Material, stays: bpy.types.NodeTree | None = None
         tree.nodes.remove(added)
     material_outputs.forget(tree)
     saved_settings.give_back(material)
-    if material[tags.MATERIAL].get("without_nodes"):
+    if kept.mapping(material, tags.MATERIAL).get("without_nodes"):
         material.use_nodes = False  # Blender 4.5; its tree is then the one that Blender makes
     del material[tags.MATERIAL]
     if group not in (None, stays) and group.users == 0:
@@ -202,7 +202,7 @@ def managed_materials(world: bpy.types.World | None = None) -> list[bpy.types.Ma
 def managed(material: bpy.types.Material) -> Managed | None:
     """What a material was given, None if it is not managed."""
     record, node = MaterialRecord.of(material), surface_node(material)
-    if record is None or node is None:
+    if record is None or node is None or not spectral_matrix.is_whole(node):
         return None
     world = skylight_surface.world_of(node.node_tree) if node.node_tree else None
     return Managed(record, spectral_matrix.get_matrix(node), world)
@@ -227,8 +227,8 @@ def check_editable(material: bpy.types.Material) -> None:
         raise InputError(
             place, "is a library override", "make it local, or edit it in its own file"
         )
-    record = material.get(tags.MATERIAL, {})
-    if record.get("version", 0) > skylight_surface.VERSION:
+    version = kept.mapping(material, tags.MATERIAL).get("version", 0)
+    if kept.is_number(version) and version > skylight_surface.VERSION:
         raise InputError(place, "was made by a newer version of this add-on", "update the add-on")
     if material.grease_pencil is not None:
         raise InputError(place, "is for Grease Pencil", "choose a surface material")

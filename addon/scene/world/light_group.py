@@ -10,6 +10,7 @@ import numpy as np
 from ....node_groups import light_probe, sky_irradiance, skylight_surface
 from ... import tags
 from ...errors import InputError
+from ..blend_data import kept
 from . import hdri as worlds
 from .light_record import LightRecord
 
@@ -93,8 +94,8 @@ def keep_record(world: bpy.types.World, record: LightRecord) -> None:
 def record_of(world: bpy.types.World | None) -> LightRecord | None:
     """What `keep_record` kept, None before and without a World."""
     surface = None if world is None else skylight_surface.find(world)
-    kept = None if surface is None else surface.get(tags.LIGHT)
-    return None if kept is None else LightRecord.from_json(kept)
+    found = "" if surface is None else kept.text(surface, tags.LIGHT)
+    return LightRecord.from_json(found) if found else None
 
 
 def remove(surface: bpy.types.NodeTree) -> None:

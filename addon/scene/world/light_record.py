@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import lru_cache
 from typing import Any
+
+from ..blend_data import kept
 
 
 @dataclass(frozen=True)
@@ -62,4 +64,28 @@ def _fixed(value: Any) -> Any:
 
 @lru_cache(maxsize=64)
 def _record(text: str) -> LightRecord:
-    return LightRecord.of(json.loads(text))
+    found = kept.parsed(text, {})
+    wrong = [name for name, right in _RIGHT.items() if name in found and not right(found[name])]
+    return LightRecord.of({name: value for name, value in found.items() if name not in wrong})
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str)
+
+
+def _are_errors(value: Any) -> bool:
+    listed = isinstance(value, list) and all(isinstance(each, dict) for each in value)
+    return listed and all(kept.is_number(e.get(n)) for e in value for n in ("mean", "worst"))
+
+
+_RIGHT: dict[str, Callable[[Any], bool]] = {
+    **dict.fromkeys(("image", "space", "model", "caption"), _is_text),
+    "settings": lambda value: isinstance(value, dict),
+    "degree": lambda value: isinstance(value, int) and 0 <= value <= 6,
+    "errors": _are_errors,
+    "upward": lambda value: kept.are_numbers(value, 3) or value == [],
+    "level": lambda value: kept.are_numbers(value, 3) or value == [],
+    "spectrum": lambda value: kept.are_numbers(value, 81) or value == [],
+    **dict.fromkeys(("notes", "lights"), kept.are_texts),
+}
+"""Whether a value is one that a field can have; others count as missing."""

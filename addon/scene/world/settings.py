@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -19,7 +19,7 @@ from ...spectra import sensitivities
 from ...transfer.choice import Choice, choose_with
 from ...transfer.known_light import KnownLight
 from ...transfer.matrices import Transfer, transfer
-from ..blend_data import working_space
+from ..blend_data import kept, working_space
 from . import light_group
 
 
@@ -109,8 +109,8 @@ class Settings:
 
     @classmethod
     def from_plain(cls, found: Mapping[str, Any]) -> Settings:
-        """Read what `plain` returned."""
-        own = {f.name: found[f.name] for f in fields(cls) if found.get(f.name) is not None}
+        """Read what `plain` returned; what is of another kind has its default."""
+        own = {name: found[name] for name, right in _RIGHT.items() if right(found.get(name))}
         if "white" in own:
             own["white"] = tuple(own["white"])
         return cls(**own)
@@ -118,7 +118,22 @@ class Settings:
 
 @lru_cache(maxsize=64)
 def _settings(text: str) -> Settings:
-    return Settings.from_plain(json.loads(text))
+    return Settings.from_plain(kept.parsed(text, {}))
+
+
+_RIGHT: dict[str, Callable[[Any], bool]] = {
+    "basis": lambda value: isinstance(value, str),
+    "camera": lambda value: isinstance(value, str),
+    "white": lambda value: kept.are_numbers(value, 3) and min(value) > 0,
+    "sun_elevation": kept.is_number,
+    "tolerance": lambda value: kept.is_number(value) and value > 0,
+    "sun": lambda value: isinstance(value, bool),
+    "ground": lambda value: value in list(GROUNDS),
+    "occlusion": lambda value: value in list(OCCLUSIONS),
+    "bounce": lambda value: isinstance(value, bool),
+    "gloss": lambda value: isinstance(value, bool),
+}
+"""Whether a value is one that a setting can have."""
 
 
 def stored(world: bpy.types.World | None) -> Settings | None:
@@ -129,7 +144,8 @@ def stored(world: bpy.types.World | None) -> Settings | None:
         # What is written on a linked World is not saved: our group of it, in this file, is.
         record = light_group.record_of(world)
         return None if record is None else Settings.from_plain(record.settings)
-    return Settings.from_json(world[tags.SETTINGS]) if tags.SETTINGS in world else None
+    found = kept.text(world, tags.SETTINGS)
+    return Settings.from_json(found) if found else None
 
 
 def store(world: bpy.types.World, settings: Settings) -> None:

@@ -6,6 +6,7 @@ view, such as PNG, never scene-linear values: an EXR stays exact.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 
 from ... import tags
 from ...errors import InputError
+from ..blend_data import kept
 from . import settings as world_settings
 
 WHITE = ("use_white_balance", "white_balance_temperature", "white_balance_tint")
@@ -85,7 +87,7 @@ def neutral(scene: bpy.types.Scene, level: Sequence[float]) -> str:
         raise InputError(place, why, "use only one white balance")
     view = scene.view_settings
     before = _values(view)
-    kept = scene[tags.VIEW].to_dict() if tags.VIEW in scene else {"before": before}
+    known = {"before": before, **kept.mapping(scene, tags.VIEW)}
     view.use_white_balance = True
     view.white_balance_whitepoint = tuple(np.array(level) / max(level))
     found = np.array(view.white_balance_whitepoint)
@@ -97,7 +99,7 @@ def neutral(scene: bpy.types.Scene, level: Sequence[float]) -> str:
             "its light is outside the range of Blender's White Balance",
             "set the white balance by hand",
         )
-    scene[tags.VIEW] = {**kept, "ours": _values(view)}
+    scene[tags.VIEW] = {**known, "ours": _values(view)}
     return (
         f"White Balance: {view.white_balance_temperature:.0f} K, "
         f"tint {view.white_balance_tint:+.0f}; scene-linear EXR files do not change"
@@ -120,10 +122,10 @@ def give_back(scene: bpy.types.Scene) -> None:
     """Give a scene's view its white back; what a user has changed meanwhile stays."""
     if tags.VIEW not in scene:
         return
-    kept = scene[tags.VIEW].to_dict()
-    view = scene.view_settings
-    if _values(view) == kept["ours"]:
-        _set(view, kept["before"])
+    known, view = kept.mapping(scene, tags.VIEW), scene.view_settings
+    if _values(view) == known.get("ours"):
+        with contextlib.suppress(TypeError, ValueError, AttributeError):  # overwritten by hand
+            _set(view, known["before"] if isinstance(known.get("before"), dict) else {})
     del scene[tags.VIEW]
 
 
