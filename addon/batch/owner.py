@@ -6,13 +6,11 @@ known to be a study's, and links out of the folder are not followed.
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
 from ..errors import InputError
+from ..scene.output import plan_data
 
-FORMAT = "spectral-skylight plan"
 PLAN = "plan.jsonl"
 REPORTS = ("report.html", "report.json", "results.jsonl")
 """What stands beside a plan and never without one."""
@@ -38,24 +36,12 @@ def check_owner(study: Path, out: Path) -> None:
             if (out / name).exists():
                 raise InputError(out, f"its {name} is of no study and would be written over", cure)
         return
-    header = header_of(out / PLAN)
-    if header is None:
-        raise InputError(out / PLAN, "is not a plan and would be written over", cure)
-    other = (out / str(header.get("study", ""))).resolve()
+    try:
+        other = (out / plan_data.header(out / PLAN)["study"]).resolve()
+    except (OSError, ValueError):
+        raise InputError(out / PLAN, "is not a plan and would be written over", cure) from None
     if other != study.resolve() and _writes_to(other, out):
         raise InputError(out, f"belongs to the study {other}", cure)
-
-
-def header_of(plan: Path) -> dict[str, Any] | None:
-    """Return the first line of a plan, None for a file that is none; raises OSError."""
-    if plan.exists() and not plan.is_file():
-        return None
-    with plan.open(encoding="utf-8", errors="replace") as file:
-        try:
-            header = json.loads(file.readline(1 << 16))
-        except (ValueError, RecursionError):
-            return None
-    return header if isinstance(header, dict) and header.get("format") == FORMAT else None
 
 
 def _writes_to(study: Path, out: Path) -> bool:

@@ -15,14 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InputError
+from ..scene.output import plan_data
 from ..whole_files import writing
 from .file_names import file_names
-from .owner import FORMAT, check_links, header_of
+from .owner import check_links
 from .scenes import SceneFile
 from .study import Study, StudySky, Variant, content_hash
 from .task import Task, copy_scripts, task_of
-
-VERSION = 1
 
 
 @dataclass(frozen=True)
@@ -89,8 +88,8 @@ def write_plan(study: Study, scenes: tuple[SceneFile, ...], program: str) -> Pat
     The plan is replaced as a whole, or stays as it was. Raises `InputError` where it cannot be.
     """
     header = {
-        "format": FORMAT,
-        "version": VERSION,
+        "format": plan_data.FORMAT,
+        "version": plan_data.VERSION,
         "study": os.path.relpath(study.path, study.out).replace(os.sep, "/"),
         "tasks": _count(study, scenes),
         "scenes": len(scenes),
@@ -117,16 +116,11 @@ def _count(study: Study, scenes: tuple[SceneFile, ...]) -> int:
 def read_header(path: str | Path) -> dict[str, Any]:
     """Return a plan's header; InputError for a file that is no plan, or of another version."""
     try:
-        header = header_of(Path(path))
+        header = plan_data.header(Path(path))
     except OSError as error:
         raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from None
-    if header is None:
-        raise InputError(path, "is not a plan", "make one with batch plan STUDY.toml")
-    if (version := header.get("version")) != VERSION:
-        raise InputError(path, f"is of version {version}", "plan the study again")
-    whole = type(header.get("tasks")) is int and header["tasks"] >= 0
-    if not whole or not isinstance(header.get("study"), str):
-        raise InputError(path, "is not a whole plan", "plan the study again")
+    except ValueError as error:
+        raise InputError(path, str(error), "make one with batch plan STUDY.toml") from None
     check_links(Path(path).parent)
     return header
 

@@ -7,7 +7,6 @@ scene's textures in `prepared/` beside it.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass, replace
@@ -16,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from ..progress import run
-from ..scene.output.task_paths import inside
+from ..scene.output import plan_data
 from ..whole_files import write_json
 from .carry import carry
 from .file_names import file_names
@@ -26,7 +25,6 @@ from .scenes import SceneFile
 from .study import Study, StudySky
 
 FOLDER = "prepared"
-FORMAT = "spectral-skylight prepared file"
 
 
 @dataclass(frozen=True)
@@ -123,9 +121,9 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
     light = found.light
     assert light is not None  # every plan has a sky
     elsewhere = [line for image in bpy.data.images if (line := carry(image, study.out / FOLDER))]
-    path = inside(study.out, wanted.blend, ".blend")
+    path = plan_data.inside(study.out, wanted.blend, ".blend")
     record = {
-        "format": FORMAT,
+        "format": plan_data.RECORD,
         "name": wanted.name,
         "scene": wanted.scene.path.stem,
         "sky": wanted.sky.name,
@@ -177,7 +175,6 @@ def _tidy(out: Path, wanted: Iterable[Prepared]) -> None:
 
 def _is_ours(path: Path) -> bool:
     try:
-        known = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        return plan_data.record(path).get("format") == plan_data.RECORD
+    except (OSError, ValueError):
         return False
-    return isinstance(known, dict) and known.get("format") == FORMAT

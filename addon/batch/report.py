@@ -17,17 +17,17 @@ from typing import Any
 
 if __package__:
     from ..atomic_file import replacing
+    from ..scene.output import plan_data
     from ..scene.output.image_file import made_by
     from ..scene.output.plan_range import Answer, Task, answers, planned
-    from ..scene.output.task_paths import inside
     from . import report_page
 else:  # a copy beside a plan
     sys.path.insert(0, str(Path(__file__).resolve().parent))
+    import plan_data  # type: ignore[no-redef]
     import report_page  # type: ignore[no-redef]
     from atomic_file import replacing  # type: ignore[no-redef]
     from image_file import made_by  # type: ignore[no-redef]
     from plan_range import Answer, Task, answers, planned  # type: ignore[no-redef]
-    from task_paths import inside  # type: ignore[no-redef]
 
 
 def write_report(plan: Path) -> dict[str, Any]:
@@ -39,8 +39,7 @@ def write_report(plan: Path) -> dict[str, Any]:
     of statuses; ``blender``: the builds that rendered.
     """
     out, known = plan.parent, answers(plan.parent)
-    with plan.open(encoding="utf-8") as file:
-        header = json.loads(file.readline())
+    header = plan_data.header(plan)
     found: dict[str, Any] = {
         "study": header["study"],
         "tasks": header["tasks"],
@@ -56,8 +55,11 @@ def write_report(plan: Path) -> dict[str, Any]:
     found["counts"] = dict(Counter(picture["status"] for picture in found["pictures"]))
     found["seconds"] = sum(p["seconds"] or 0.0 for p in found["pictures"])
     found["blender"] = sorted({p["blender"] for p in found["pictures"] if p["blender"]})
-    _write(out / "report.json", json.dumps(found, ensure_ascii=False, indent=1) + "\n")
-    _write(out / "report.html", report_page.page(found))
+    _write(
+        plan_data.inside(out, "report.json", ".json"),
+        json.dumps(found, ensure_ascii=False, indent=1) + "\n",
+    )
+    _write(plan_data.inside(out, "report.html", ".html"), report_page.page(found))
     return found
 
 
@@ -74,9 +76,9 @@ def _picture(out: Path, task: Task, known: dict[str, Answer]) -> dict[str, Any]:
         "seconds": known.get("rendered", {}).get("seconds"),
     }
     try:
-        picture["blender"] = made_by(inside(out, task["exr"], ".exr"), task["key"]).removeprefix(
-            "Blender "
-        )
+        picture["blender"] = made_by(
+            plan_data.inside(out, task["exr"], ".exr"), task["key"]
+        ).removeprefix("Blender ")
     except (OSError, ValueError):
         if "failed" not in known:
             return {**picture, "status": "missing"}
@@ -87,16 +89,16 @@ def _picture(out: Path, task: Task, known: dict[str, Answer]) -> dict[str, Any]:
 def record(out: Path, blend: str) -> dict[str, Any] | None:
     """Return what is known of a prepared file, None where it is not ready.
 
-    ``format``: `prepare.FORMAT`, by which ours are known; ``name``: of the file; ``scene``,
+    ``format``: `plan_data.RECORD`, by which ours are known; ``name``: of the file; ``scene``,
     ``sky``, ``variant``: names of what it was made of; ``sun``: elevation and azimuth [degrees],
     null without one; ``blender``: the version that made it;
     ``materials``: a dictionary each, as `spectral.Result`, with its color as CSS has it;
     ``notes``: lines to read; ``elsewhere``: a line for each image that is still read from another
     place.
     """
-    path = (out / blend).with_suffix(".json")
     try:
-        return json.loads(path.read_text(encoding="utf-8")) if (out / blend).is_file() else None
+        path = plan_data.inside(out, blend, ".blend")
+        return plan_data.record(path.with_suffix(".json")) if path.is_file() else None
     except (OSError, ValueError):
         return None
 
@@ -108,7 +110,7 @@ def _unknown(blend: str) -> dict[str, Any]:
 
 def _write(path: Path, text: str) -> None:
     with replacing(path) as part:
-        part.write_text(text, encoding="utf-8", newline="")
+        part.write_text(text, encoding="utf-8", errors="backslashreplace", newline="")
 
 
 if __name__ == "__main__":

@@ -6,11 +6,9 @@ import json
 import shutil
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 from ..atomic_file import replacing
-from ..choices import ENGINES
-from ..scene.output.task_paths import checked
+from ..scene.output import plan_data
 
 SCRIPT = Path(__file__).parents[1] / "scene" / "output" / "render_task.py"
 """What a plain Blender does tasks with."""
@@ -18,7 +16,7 @@ SCRIPT = Path(__file__).parents[1] / "scene" / "output" / "render_task.py"
 SCRIPTS = (
     Path(__file__).parents[1] / "atomic_file.py",
     SCRIPT.with_name("image_file.py"),
-    SCRIPT.with_name("task_paths.py"),
+    SCRIPT.with_name("plan_data.py"),
     SCRIPT.with_name("plan_range.py"),
     SCRIPT,
     Path(__file__).with_name("duration.py"),
@@ -73,26 +71,5 @@ class Task:
 
 def task_of(line: str) -> Task:
     """Return the task of a line of JSON; raises ValueError where it is none, or leads elsewhere."""
-    try:
-        values: dict[str, Any] = json.loads(line)
-        task = Task(**{**values, "resolution": tuple(values["resolution"])})
-    except (TypeError, KeyError, RecursionError) as error:
-        raise ValueError(" ".join(str(error).split())) from None
-    sizes = task.resolution
-    right = {
-        "index": _whole(task.index, 0, 1 << 40),
-        "frame": _whole(task.frame, -(1 << 20), 1 << 20),
-        "samples": task.samples is None or _whole(task.samples, 1, 1 << 24),
-        "engine": task.engine is None or task.engine in list(ENGINES),
-        "resolution": len(sizes) == 2 and all(_whole(size, 1, 1 << 16) for size in sizes),
-        **{name: type(getattr(task, name)) is str for name in ("scene", "camera", "key")},
-    }
-    for name in (name for name, is_right in right.items() if not is_right):
-        raise ValueError(f"its {name} is {getattr(task, name)!r:.100}")
-    checked(task.blend, ".blend")
-    checked(task.exr, ".exr")
-    return task
-
-
-def _whole(value: Any, low: int, high: int) -> bool:
-    return type(value) is int and low <= value <= high
+    values = plan_data.task(line)
+    return Task(**{**values, "resolution": tuple(values["resolution"])})

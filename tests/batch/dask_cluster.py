@@ -9,8 +9,8 @@ import sys
 import time
 from pathlib import Path
 
-from spectral_skylight.addon.batch.plan import FORMAT, VERSION
 from spectral_skylight.addon.batch.task import Task
+from spectral_skylight.addon.scene.output import plan_data
 
 
 class Cluster:
@@ -66,7 +66,12 @@ def instant_plan(folder: Path, pictures: int) -> Path:
     folder.mkdir()
     plan = folder / "plan.jsonl"
     with plan.open("w", encoding="utf-8") as file:
-        header = {"format": FORMAT, "version": VERSION, "tasks": pictures, "study": "study.toml"}
+        header = {
+            "format": plan_data.FORMAT,
+            "version": plan_data.VERSION,
+            "tasks": pictures,
+            "study": "study.toml",
+        }
         file.write(json.dumps(header) + "\n")
         for index in range(pictures):
             sky, camera = divmod(index, 40)

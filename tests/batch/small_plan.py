@@ -7,8 +7,8 @@ import json
 import shutil
 from pathlib import Path
 
-from spectral_skylight.addon.batch.plan import FORMAT, VERSION
 from spectral_skylight.addon.batch.task import Task, copy_scripts
+from spectral_skylight.addon.scene.output import plan_data
 
 BLEND = """
 import sys, bpy
@@ -55,7 +55,12 @@ def small_plan(folder: Path, cameras: int = 6, size: int = 32, samples: int = 1)
         for row, sky in enumerate(("dawn", "noon"))
         for camera in range(cameras)
     ]
-    header = {"format": FORMAT, "version": VERSION, "tasks": len(tasks), "study": "study.toml"}
+    header = {
+        "format": plan_data.FORMAT,
+        "version": plan_data.VERSION,
+        "tasks": len(tasks),
+        "study": "study.toml",
+    }
     plan = folder / "plan.jsonl"
     lines = [json.dumps(header), *(task.line() for task in tasks)]
     plan.write_text("".join(line + "\n" for line in lines), encoding="utf-8")

@@ -2,18 +2,19 @@
 
 import json
 import os
+import random
 import re
 import shutil
 from pathlib import Path
 
 import pytest
 
-from spectral_skylight.addon.batch import prepare, study
+from spectral_skylight.addon.batch import prepare, report, study
 from spectral_skylight.addon.batch.plan import read_header, read_tasks
 from spectral_skylight.addon.batch.task import SCRIPTS, task_of
 from spectral_skylight.addon.batch.worker import Worker
 from spectral_skylight.addon.errors import InputError
-from spectral_skylight.addon.scene.output import render_task
+from spectral_skylight.addon.scene.output import plan_data, render_task
 from spectral_skylight.tests.batch.studies import write_inputs, write_study
 
 LINE = {
@@ -166,7 +167,7 @@ def test_another_study_s_folder_and_a_person_s_files_are_refused(tmp_path):
 def test_only_what_a_record_of_ours_names_is_deleted(tmp_path):
     folder = tmp_path / "prepared"
     folder.mkdir()
-    record = json.dumps({"format": prepare.FORMAT, "name": "../../mine"})
+    record = json.dumps({**RECORD, "name": "../../mine"})
     files = {
         "old.12345678.blend": "", "old.12345678.json": record,
         "mine.blend": "", "notes.json": "{}", "mine.json": json.dumps({"name": "mine"}),
@@ -179,3 +180,87 @@ def test_only_what_a_record_of_ours_names_is_deleted(tmp_path):
     left = {path.name for path in folder.iterdir()}
     assert left == files.keys() - {"old.12345678.blend", "old.12345678.json"}
     assert (tmp_path / "mine.blend").exists()
+
+
+RECORD = {
+    "format": plan_data.RECORD, "name": "a", "scene": "h", "sky": "s", "variant": "v",
+    "sun": [10.0, 20.0], "notes": ["n"], "elsewhere": [], "blender": "5.2",
+    "materials": [{"material": "W", "reflectance": "r", "swatch": "rgb(1 2 3)", "line": "l",
+                   "matrix_delta_E": 0.1, "rgb_delta_E": None, "out_of_gamut": False}],
+}  # fmt: skip
+ANSWERS = [
+    {"key": "k", "status": "failed", "error": "x: no", "seconds": 1.0},
+    {"key": "k2", "status": "rendered", "seconds": 2.0},
+]
+WRONG = [
+    None,
+    True,
+    -1,
+    1e999,
+    10**400,
+    "\ud800",
+    "x" * 9999,
+    [],
+    {},
+    [None],
+    {"a": 1},
+    "</script>",
+]
+
+
+def hostile(content, random):
+    """The text of a file with one value, key or byte changed, or its end lost."""
+    content = json.loads(json.dumps(content))
+    place = content
+    while isinstance(place, (dict, list)) and place:
+        key = random.choice(list(place) if isinstance(place, dict) else range(len(place)))
+        if random.random() < 0.4 or not isinstance(place[key], (dict, list)) or not place[key]:
+            if random.random() < 0.2:
+                del place[key]
+            else:
+                place[key] = random.choice(WRONG)
+            break
+        place = place[key]
+    text = json.dumps(content).encode()
+    if random.random() < 0.2:
+        at = random.randrange(len(text))
+        text = text[:at] + bytes([random.randrange(256)]) + text[at + random.randrange(3) :]
+    return text[: random.randrange(len(text))] if random.random() < 0.1 else text
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_whatever_lies_in_a_folder_makes_a_report_or_one_line(tmp_path, seed):
+    """Forty mutations of each of plan, results and record together, in twelve folders."""
+    generator = random.Random(seed)
+    out = write_plan(tmp_path / "out", LINE, {**LINE, "index": 1, "key": "k2"}).parent
+    (out / "prepared").mkdir()
+    (out / "prepared" / "a.blend").touch()
+    made = 0
+    for _ in range(40):
+        header, one, answer, record = (
+            hostile(each, generator) if generator.random() < 0.4 else json.dumps(each).encode()
+            for each in (HEADER, LINE, generator.choice(ANSWERS), RECORD)
+        )
+        (out / "plan.jsonl").write_bytes(header + b"\n" + one + b"\n")
+        (out / "results.jsonl").write_bytes(answer + b"\n" + answer)
+        (out / "prepared" / "a.json").write_bytes(record)
+        try:
+            report.write_report(out / "plan.jsonl")
+        except (ValueError, OSError) as error:
+            assert "\n" not in str(error)
+            continue
+        made += 1
+        page = (out / "report.html").read_text(encoding="utf-8")
+        assert page.count("</script>") == 1  # nothing of ours lets a text out of its place
+        json.loads((out / "report.json").read_text(encoding="utf-8"))
+    assert made > 4
+
+
+def test_a_color_that_is_none_does_not_reach_the_page(tmp_path):
+    (tmp_path / "a.json").write_text(json.dumps(RECORD))
+    assert plan_data.record(tmp_path / "a.json")["sky"] == "s"
+    for swatch in ("url(//x)", "red", "rgb(1 2 3);x:y", 7):
+        wrong = {**RECORD, "materials": [{**RECORD["materials"][0], "swatch": swatch}]}
+        (tmp_path / "a.json").write_text(json.dumps(wrong))
+        with pytest.raises(ValueError, match="materials"):
+            plan_data.record(tmp_path / "a.json")

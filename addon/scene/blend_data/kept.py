@@ -7,7 +7,7 @@ counts as missing; no reader trusts more than these give.
 from __future__ import annotations
 
 import json
-import math
+import sys
 from typing import Any, TypeVar
 
 import bpy
@@ -51,7 +51,7 @@ def parsed(text: str, default: T) -> T:
 
 def is_number(value: Any) -> bool:
     """Whether a value is a finite number, and no switch."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    return type(value) in (int, float) and abs(value) <= sys.float_info.max
 
 
 def are_numbers(value: Any, count: int | None = None) -> bool:

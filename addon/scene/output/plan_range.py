@@ -18,12 +18,12 @@ from typing import IO, Any
 
 if __package__:
     from ...atomic_file import host
+    from . import plan_data
     from .image_file import made_by
-    from .task_paths import inside
 else:  # a copy beside a plan
+    import plan_data  # type: ignore[no-redef]
     from atomic_file import host  # type: ignore[no-redef]
     from image_file import made_by  # type: ignore[no-redef]
-    from task_paths import inside  # type: ignore[no-redef]
 
 ANSWER = "skylight-task "
 """What an answer's line starts with: Blender greets on stdout before any script can stop it."""
@@ -40,10 +40,10 @@ Answer = dict[str, Any]
 
 def planned(plan: Path, first: int = 0, count: int | None = None) -> Iterator[Task]:
     """Give a plan's tasks, ``count`` of them from number ``first`` on, but for its header."""
-    with plan.open(encoding="utf-8") as file:
+    with plan.open(encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(file, start=-1):
             if number >= first and (count is None or number < first + count):
-                yield json.loads(line)
+                yield plan_data.task(line)
 
 
 def render(
@@ -99,7 +99,7 @@ def check(tasks: Iterable[Task], root: Path, out: IO[str]) -> int:
         total += 1
         answer: Answer = {"index": task["index"], "status": "skipped"}
         try:
-            made_by(inside(root, task["exr"], ".exr"), task["key"])
+            made_by(plan_data.inside(root, task["exr"], ".exr"), task["key"])
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             said = known.get(task["key"], {}).get("failed", {}).get("error")
@@ -124,13 +124,9 @@ def answers(root: Path) -> dict[str, dict[str, Answer]]:
             continue
         with contextlib.suppress(OSError), path.open(encoding="utf-8", errors="replace") as file:
             for line in file:
-                with contextlib.suppress(ValueError, KeyError, TypeError):
-                    answer = json.loads(line)
-                    status = answer["status"]
-                    needed = {"rendered": float(answer.get("seconds", 0)), "failed": answer}[status]
-                    if needed is answer:
-                        str(answer["error"])
-                    found.setdefault(str(answer["key"]), {})[status] = answer
+                with contextlib.suppress(ValueError):
+                    answer = plan_data.answer(line)
+                    found.setdefault(answer["key"], {})[answer["status"]] = answer
     return found
 
 
@@ -157,7 +153,8 @@ class _Results:
             if self._file is None:
                 (self._root / RESULTS).mkdir(exist_ok=True)
                 name = f"{RESULTS}/{task['index']:06d}.{host()}-{os.getpid()}.jsonl"
-                self._file = inside(self._root, name, ".jsonl").open("a", encoding="utf-8")
+                path = plan_data.inside(self._root, name, ".jsonl")
+                self._file = path.open("a", encoding="utf-8", errors="backslashreplace")
             line = {**answer, "key": task["key"], "host": host()}
             self._file.write(json.dumps(line, ensure_ascii=False) + "\n")
             self._file.flush()

@@ -31,15 +31,15 @@ if __package__:
     from ...atomic_file import replacing
     from . import plan_range
     from .image_file import check, whole, without_times
+    from .plan_data import inside
     from .plan_range import ANSWER
-    from .task_paths import inside
 else:  # a copy beside a plan
     sys.path.insert(0, str(Path(__file__).resolve().parent))
     import plan_range  # type: ignore[no-redef]
     from atomic_file import replacing  # type: ignore[no-redef]
     from image_file import check, whole, without_times  # type: ignore[no-redef]
+    from plan_data import inside  # type: ignore[no-redef]
     from plan_range import ANSWER  # type: ignore[no-redef]
-    from task_paths import inside  # type: ignore[no-redef]
 
 # In the order in which Blender lets them be set: what may follow depends on what went before.
 EXR = {"file_format": "OPEN_EXR", "color_depth": "32", "exr_codec": "ZIP"}
