@@ -36,7 +36,7 @@ def settings_of(scene):
     return stored(scene.world)
 
 
-def fresh(basis):
+def fresh(basis, **settings):
     """What this version makes of the file that all were made from."""
     scene = opened("base")
     read = read_reflectances(FILES / "paints.csv")
@@ -44,7 +44,7 @@ def fresh(basis):
         bpy.data.materials[name]: Assignment(read.names[k], read.values[k])
         for k, name in enumerate(NAMES)
     }
-    use_cases.make_spectral(scene, given, Settings(basis=basis))
+    use_cases.make_spectral(scene, given, Settings(basis=basis, **settings))
     return scene
 
 
@@ -86,7 +86,8 @@ def test_an_old_file_renders_as_it_did_and_like_new_after_an_update(name, tmp_pa
     record = bpy.data.materials["Brick"][tags.MATERIAL]
     assert record["version"] == skylight_surface.VERSION
     now = faces.seen(scene, tmp_path, 9, "cycles")
-    scene = fresh(settings_of(scene).basis)  # that of the file is kept
+    found = settings_of(scene)  # those of the file are kept
+    scene = fresh(found.basis, occlusion=found.occlusion)
     np.testing.assert_allclose(now, faces.seen(scene, tmp_path, 9, "cycles"), rtol=1e-4, atol=1e-5)
 
 
