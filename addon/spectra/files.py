@@ -13,6 +13,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import InputError
+from .text_encodings import national
+
+HEAD = 1 << 14
+"""Bytes of a text by which its encoding is known: headings are among them."""
 
 LARGEST_FILE = 1 << 26
 """Bytes of a text: the largest published ones have a few million."""
@@ -72,7 +76,7 @@ def content(path: Path, largest: int = LARGEST_FILE) -> bytes:
 
 
 def text(path: Path) -> str:
-    """Return a file's text: UTF-16 with or without a byte-order mark, UTF-8, else Latin-1."""
+    """Return a file's text: UTF-16 with or without a byte-order mark, UTF-8, else `national`."""
     found = content(path)
     encoding = _utf_16(found[:4096])
     if encoding:
@@ -80,7 +84,7 @@ def text(path: Path) -> str:
     try:
         return found.decode("utf-8-sig")
     except UnicodeDecodeError:
-        return found.decode("latin-1")
+        return found.decode(national(found[:HEAD]), errors="replace")
 
 
 def lines(path: Path) -> list[str]:
@@ -99,7 +103,7 @@ def streamed(path: Path) -> Iterator[tuple[int, str]]:
     if encoding is None:
         if _is_binary(head):
             raise BinaryFile(path, "is binary, not text", "export it as CSV")
-        encoding = "utf-8-sig" if _is_utf_8(path) else "latin-1"
+        encoding = "utf-8-sig" if _is_utf_8(path) else national(start(path, HEAD))
     read = number = 0
     try:
         with path.open(encoding=encoding, errors="replace", newline=None) as handle:

@@ -170,7 +170,7 @@ def _about(layout, context, number: int) -> None:
     found = library_state.library
     box = layout.box()
     panel_text.paragraph(box, context, found.names[number], "MATERIAL")
-    for line in (found.classes[number], found.sources[number]):
+    for line in (found.classes[number], found.sources[number], f"Read as {found.kinds[number]}"):
         if line:
             panel_text.paragraph(box, context, line)
     row = layout.row(align=True)

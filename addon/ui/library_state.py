@@ -12,6 +12,9 @@ import bpy
 
 from ..errors import InputError
 
+OFFERED = 3
+"""Measured reflectances that are offered for a material."""
+
 library: Any = None
 """The `spectra.library.Library`, None before it was read."""
 
@@ -30,6 +33,7 @@ def put(found: Any) -> None:
     global library, daylight, under_sky, lit_by
     library, daylight, under_sky, lit_by = found, None, None, ""
     _shown.cache_clear()
+    _nearest.cache_clear()
 
 
 def light(context: bpy.types.Context) -> None:
@@ -79,6 +83,21 @@ def _shown(which: int, search: str, by: str) -> tuple[list[bool], list[int]]:
     for place, number in enumerate(library.order(by.lower()).tolist()):
         places[number] = place
     return [k in wanted for k in range(count)], places
+
+
+def nearest(color: tuple[float, float, float], name: str, space: str) -> tuple[Any, ...]:
+    """Return the measured reflectances nearest to a material's base color and its name.
+
+    The `transfer.nearest.Nearest` of the library that is shown, the best first; none without one.
+    """
+    return _nearest(id(library), color, name, space) if library is not None else ()
+
+
+@lru_cache(maxsize=64)
+def _nearest(which: int, color: tuple[float, ...], name: str, space: str) -> tuple[Any, ...]:
+    from ..transfer.nearest import nearest as find
+
+    return tuple(find(library, color, name, OFFERED, space))
 
 
 def place(number: int | None) -> tuple[str, str] | None:

@@ -3,7 +3,7 @@
 import bpy
 
 from ..errors import InputError
-from . import panel_text, targets
+from . import library_state, panel_text, targets
 from .labels import told
 
 
@@ -40,6 +40,7 @@ def _choose(layout, context, material) -> None:
     if material in spectral_material.ours():
         row.operator("skylight.remove")
         row.operator("skylight.explain", text="", icon="QUESTION")
+    _measured(layout, context, material)
     row = layout.row(align=True)
     row.operator("skylight.apply_selected", text="To Selection")
     row.operator("skylight.remove_selected", text="From Selection")
@@ -56,6 +57,30 @@ def _details(layout, choice) -> None:
     layout.prop(choice, "behind", text="Behind")
     if choice.behind:
         layout.prop(choice, "behind_column")
+
+
+def _measured(layout, context, material) -> None:
+    """Offer the measured reflectances that an estimated or painted material may be."""
+    from ..scene.blend_data import working_space
+    from ..scene.materials import base_color
+
+    color = base_color.known_colour(material)
+    if color is None:
+        return
+    if library_state.library is None:
+        layout.operator("skylight.refresh_library", text="Find Measured...", icon="VIEWZOOM")
+        return
+    found = library_state.nearest(color, material.name, working_space.name())
+    if found:
+        panel_text.paragraph(layout, context, "Nearest measured, and the ΔE of choosing it")
+    column = layout.column(align=True)
+    for one in found:
+        name, path = (
+            library_state.library.names[one.number],
+            library_state.library.paths[one.number],
+        )
+        button = column.operator("skylight.apply", text=f"{name}   ΔE {one.delta_E:.1f}")
+        button.material, button.filepath, button.column = material.name, path, name
 
 
 class Properties:

@@ -7,6 +7,7 @@ from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.spectra.curves import NoSpectra
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.reflectance import read_all, read_one, read_reflectances
+from spectral_skylight.addon.spectra.text_encodings import national
 from spectral_skylight.tests.spectra import kinds
 from spectral_skylight.tests.spectra.kinds import GREY, NM, PERCENT, RED, red, rows, text
 
@@ -244,3 +245,41 @@ def test_a_block_without_numbers_is_said(write):
     lines = [f",,{k},{k + 1}" for k in range(30)]
     with pytest.raises(InputError):
         read_reflectances(write("a.csv", text("nm,red", lines)))
+
+
+JAPANESE = "試料名,赤\r\n測定日,2024年5月1日\r\n波長(nm),反射率(%)\r\n"
+CHINESE = "样品名称,红\r\n波长(nm),反射率(%)\r\n"
+KOREAN = "시료,빨강\r\n파장(nm),반사율(%)\r\n"
+RUSSIAN = "Образец;Красный\r\nДлина волны, нм;Коэффициент отражения, %\r\n"
+GERMAN = "Probe;Grün\r\nWellenlänge [nm];Reflexionsgrad [%]\r\n"
+
+
+@pytest.mark.parametrize(
+    ("encoding", "head"),
+    [
+        ("cp932", JAPANESE),
+        ("gb18030", CHINESE),
+        ("big5", JAPANESE.replace("試料名", "樣品").replace("測定日", "測量")),
+        ("cp949", KOREAN),
+        ("cp1251", RUSSIAN),
+        ("koi8-r", RUSSIAN),
+        ("latin-1", GERMAN),
+        ("utf-8", JAPANESE),
+        ("utf-16", CHINESE),
+    ],
+)
+def test_headings_in_encodings_of_their_countries(write, encoding, head):
+    """Their quantity and unit are read: dark percents would pass for fractions."""
+    between = ";" if ";" in head else ","
+    body = "\r\n".join(f"{nm}{between}{2.0 * red(nm):.4f}" for nm in range(380, 781, 10))
+    read = read_reflectances(write("probe.csv", (head + body + "\r\n").encode(encoding)))
+    assert_red(50.0 * read.values[0], atol=1.5e-3)
+    assert read.kinds[0].quantity == "reflectance" and read.kinds[0].unit == "percent"
+
+
+def test_an_encoding_needs_a_word_of_its_own():
+    """Two bytes of German or French are characters of Japan too; they stay what they are."""
+    for words in ("Wellenlänge", "Réflectance à 10°", "Größe", "Reflexión ñ", "ÄÖÜäöüßéèàç" * 9):
+        assert national(words.encode("latin-1")) == "latin-1"
+    cut = "波長,反射率".encode("cp932")
+    assert national(cut[:-1]) == "cp932"  # within a character

@@ -8,11 +8,17 @@ import pytest
 
 from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.spectra import formats
+from spectral_skylight.addon.spectra.reflectance import read_one
+from spectral_skylight.addon.transfer.assignment import ESTIMATED
+from spectral_skylight.addon.transfer.measures import delta_E
+from spectral_skylight.addon.transfer.nearest import NAME_COUNTS
+from spectral_skylight.addon.transfer.prediction import rgb_albedo
 from spectral_skylight.addon.ui import (
     choose_reflectance,
     drop,
     library,
     library_state,
+    panels,
     preferences,
     under_mouse,
 )
@@ -273,3 +279,53 @@ def test_what_is_under_the_mouse(scene):
     assert under_mouse.along(bpy.context, (9, 9, 5), (0, 0, -1)) is None
     assert under_mouse.material_in(floor, 1, "new") == material("Roof")
     assert under_mouse.under_mouse(bpy.context, 10, 10) is None  # no view here
+
+
+def test_what_was_read_is_shown(shown):
+    choose("brick")
+    text = drawn(library.SKYLIGHT_PT_library).text
+    number = library_state.chosen(bpy.context)
+    assert f"Read as {library_state.library.kinds[number]}" in text and "fraction" in text
+
+
+def offers():
+    """The buttons that the active material's panel has for measured reflectances: name, ΔE."""
+    found = drawn(panels.SKYLIGHT_PT_material).drawn
+    buttons = [(arguments[0], options) for kind, arguments, options in found if kind == "operator"]
+    texts = [options.get("text", "") for name, options in buttons if name == "skylight.apply"]
+    return [
+        (name, float(off)) for name, _, off in (text.partition("   ΔE ") for text in texts) if off
+    ]
+
+
+def test_an_estimate_becomes_a_measurement_in_one_click(shown, scene):
+    """The nearest of the library to its base color and its name, with what choosing it changes."""
+    wall = material("Wall")
+    shader = wall.node_tree.nodes["Principled BSDF"]
+    rgb = rgb_albedo(read_one(library_state.library.paths[-1] + ":moss").values[0])
+    shader.inputs["Base Color"].default_value = (*(1.1 * rgb), 1.0)
+    before = offers()  # a painted material, not spectral yet
+    bpy.ops.skylight.make_spectral()
+    assert given("Wall") == ESTIMATED
+    (best, off), *others = offers()
+    assert best == "moss" == before[0][0] and others and off <= others[0][1]
+    assert off == pytest.approx(float(delta_E(rgb, 1.1 * rgb, np.ones(3))), abs=0.06)
+    found = library_state.library
+    second, farther = others[0]
+    assert farther - off < NAME_COUNTS
+    wall.name = second  # the words of its name count
+    assert offers()[0] == (second, farther)
+    wall.name = "Wall"
+    number = found.names.index("moss")
+    bpy.ops.skylight.apply(material="Wall", filepath=found.paths[number], column="moss")
+    assert given("Wall") == "moss"
+    np.testing.assert_allclose(spectral_material.managed(wall).values, found.values[number])
+    assert offers() == []  # it is measured now
+
+
+def test_without_a_library_it_is_looked_for_first(scene):
+    library_state.put(None)
+    assert "skylight.refresh_library" in drawn(panels.SKYLIGHT_PT_material).operators
+    shader = material("Wall").node_tree.nodes["Principled BSDF"]
+    shader.inputs["Transmission Weight"].default_value = 1.0  # a reflectance is none of glass
+    assert "skylight.refresh_library" not in drawn(panels.SKYLIGHT_PT_material).operators

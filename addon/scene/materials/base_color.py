@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from ....node_groups import skylight_surface, spectral_matrix
 from ...spectra.working_spaces import from_srgb, rec709_to_working
-from ...transfer.assignment import Assignment, estimate
+from ...transfer.assignment import ESTIMATED, Assignment, estimate
+from ...transfer.prediction import rgb_albedo
 from ...transfer.textures import basis, carried
 from ..blend_data import working_space
 from ..lights.lighting import Lights
-from . import shader_rewrite, spectral_material
+from . import eligibility, shader_rewrite, spectral_material
 
 
 def estimated(material: bpy.types.Material) -> Assignment:
@@ -48,6 +49,27 @@ def _plain_colour(found: shader_rewrite.Look) -> NDArray[np.float64]:
     if found.colour is not None and found.colour.node.type == "RGB":
         return np.array(found.colour.default_value)[:3]
     return np.array(found.rgb, dtype=float)
+
+
+def known_colour(material: bpy.types.Material) -> tuple[float, float, float] | None:
+    """Return the base color (3,) that a measured reflectance could take the place of.
+
+    That of an estimate, a texture's mean too, or of a plain material that can be made spectral;
+    None where it is measured already, or where a texture had to be read. No pixel is looked at.
+    """
+    managed = spectral_material.managed(material)
+    if managed is not None:
+        if managed.record.reflectance != ESTIMATED or not managed.details.values:
+            return None
+        red, green, blue = rgb_albedo(managed.values, working_space.name()).tolist()
+        return red, green, blue
+    if eligibility.reason(material):
+        return None
+    found = spectral_material.look_of(material)
+    if found.colour is not None and found.colour.node.type != "RGB":
+        return None
+    red, green, blue = _plain_colour(found).tolist()
+    return red, green, blue
 
 
 def varied(material: bpy.types.Material, given: Assignment) -> NDArray[np.float64] | None:
