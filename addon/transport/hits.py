@@ -23,6 +23,9 @@ CHUNK = 2**18
 THROUGH = 6
 """Panes and holes that a ray may pass; then it is dark."""
 
+ALONG = 0.9
+"""Cosine between the normals of two faces from which on one lies along the other."""
+
 
 @dataclass
 class Hits:
@@ -85,6 +88,32 @@ class Space:
         rows[odd] = self.dark
         rows = rows.reshape(ways.shape[:2])
         return Hits(rows, odd, odd_rows, odd_filter)
+
+    def hidden(
+        self, starts: NDArray[np.float32], normals: NDArray[np.float32], reach: NDArray
+    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Return whether places (..., 3) on faces of these normals are under what lies along them
+        nearer than ``reach`` (...), and whether they are inside something solid."""
+        origins, ways = starts.reshape(-1, 3), normals.reshape(-1, 3)
+        met = self.caster.first_hits(origins, ways)
+        found = np.flatnonzero(met >= 0)
+        hit, way = met[found], ways[found]
+        normal = self.cells.normals[hit]
+        slope = np.einsum("nk,nk->n", way, normal)
+        to = np.einsum("nk,nk->n", self.cells.corners[hit, 0] - origins[found], normal)
+        near = to / np.where(slope == 0.0, 1e-9, slope) < np.ravel(reach)[found]
+        under, inside = np.zeros((2, len(met)), bool)
+        under[found] = near & (np.abs(slope) > ALONG) & ~self._porous[self.cells.kind[hit]]
+        inside[found] = self.cells.solid[hit] & (slope > 0.0)
+        return under.reshape(starts.shape[:-1]), inside.reshape(starts.shape[:-1])
+
+    def open_between(self, starts: NDArray, ends: NDArray) -> NDArray[np.bool_]:
+        """Return whether nothing but panes lies between places (n, 3) and others (n, 3)."""
+        ways = (ends - starts).astype(np.float32)
+        far = np.linalg.norm(ways, axis=1)
+        ways /= np.maximum(far, 1e-30)[:, None]
+        rows, _, _ = self.trace(starts.astype(np.float32), ways, far)
+        return (rows >= self.sky) & (rows < self.lost) | (far == 0.0)
 
     def trace(
         self,

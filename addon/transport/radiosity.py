@@ -24,6 +24,12 @@ ENOUGH = 2e-4
 UNLIT = 5e-3
 """A back with less than this part of the mean light is inside something that leaks."""
 
+STARTS = 32
+"""Places on a patch that its rays start from, one after another."""
+
+COVER = 0.2
+"""What lies so near before a place, of its cell's side, and along it, hides it: a rug, a door."""
+
 MOST = 200
 """Sweeps: a closed room that reflects 0.96 needs so many."""
 
@@ -67,6 +73,8 @@ class Radiosity:
         self.row = np.where(self.side > 0, self.patch, self.patch + cells.patches)
         """(r,), its row in the table."""
         self.hits = joined([])
+        self.counts = np.ones((len(self.patch), STARTS), bool)
+        """(r, STARTS), which places tell the side's light: not what is in or under something."""
         self.enclosed = np.zeros(len(self.patch), bool)
         """(r,), whether none of its rays leaves the scene."""
         self.take(space.matter)
@@ -84,7 +92,7 @@ class Radiosity:
         cells = self.space.cells
         places, at = cells.places(shares, self.patch[part])
         normals = cells.normals[at] * self.side[part, None, None].astype(np.float32)
-        return places + self.space.lift * normals, normals
+        return places + self.space.lift * normals, normals, at
 
     def cast(self, rays: int, alike: bool = False) -> Iterator[float]:
         """Cast so many rays from each side of each patch, yielding 0 to 1.
@@ -96,20 +104,27 @@ class Radiosity:
         rng = np.random.default_rng(1)
         # Which direction starts where is no pattern, and no two patches have the same turn.
         pattern = directions.pattern(rays)[rng.permutation(rays)]
-        shares = _even(rays)
+        shares = _even(STARTS)
+        turn = np.arange(rays) % STARTS
         turns = rng.random(len(self.patch)) * (0.0 if alike else 2.0 * np.pi)
         step = max(1, CHUNK // rays)
         for first in range(0, len(self.patch), step):
             part = slice(first, first + step)
-            starts, normals = self._starts(part, shares)
+            starts, normals, at = self._starts(part, shares)
+            reach = COVER * np.sqrt(self.space.cells.areas[at])
+            hidden = np.logical_or(*self.space.hidden(starts, normals, reach))
+            self.counts[part] = ~hidden | hidden.all(axis=1)[:, None]
             frames = directions.frames(normals.reshape(-1, 3)).reshape(*normals.shape, 3)
             turned = directions.turned(pattern, turns[part])
-            ways = np.einsum("nrk,nrkx->nrx", turned, frames)
-            parts.append(self.space.met(starts, ways))
+            ways = np.einsum("nrk,nrkx->nrx", turned, frames[:, turn])
+            hits = self.space.met(starts[:, turn], ways)
+            hits.rows[~self.counts[part][:, turn]] = self.space.lost
+            parts.append(hits)
             yield min(1.0, (first + step) / len(self.patch))
         self.hits = joined(parts)
         beyond = (self.hits.rows >= self.space.sky) & (self.hits.rows < self.space.lost)
-        self.enclosed = ~beyond.any(axis=1)
+        # Of a patch that is partly in something too few rays are left to say so.
+        self.enclosed = ~beyond.any(axis=1) & self.counts.all(axis=1)
 
     def lit_by(self, lamps: list[Direct], starts: int = 16) -> NDArray[np.float32]:
         """Return the irradiance / pi (r, 16) that lamps cast on each side, in shadow or not, by so
@@ -119,14 +134,17 @@ class Radiosity:
         if not lamps:
             return result
         shares = _even(starts)
+        counts = self.counts[:, :starts]
+        weight = np.where(counts.any(axis=1)[:, None], counts, True).astype(np.float32)
+        weight /= weight.sum(axis=1, keepdims=True)
         step = max(1, CHUNK // starts)
         for first in range(0, len(self.patch), step):
             part = slice(first, first + step)
-            places, normals = self._starts(part, shares)
+            places, normals, _ = self._starts(part, shares)
             shape = places.shape[:2]
             for lamp in lamps:
                 lit = shine(self.space, lamp, places.reshape(-1, 3), normals.reshape(-1, 3), rng)
-                result[part] += lit.reshape(*shape, -1).mean(axis=1)
+                result[part] += np.einsum("nsk,ns->nk", lit.reshape(*shape, -1), weight[part])
         return result
 
     def solve(

@@ -163,3 +163,22 @@ def test_a_wall_that_is_buried_darkens_nothing():
     solved(found, WHITE)
     # The box stands half in the ground: of what lies outside, some sees the box, which is black.
     assert 0.5 < found.E[0, 0] < 1.0
+
+
+def test_what_lies_under_something_says_nothing_of_what_lies_beside_it():
+    """A floor of two large cells under a sun of 1 with a board and a block on it: where nothing
+    covers it the light is 1, and so is the light of the whole cell, as others see it."""
+    floor = [[(-1, -1, 0), (1, -1, 0), (1, 1, 0)], [(-1, -1, 0), (1, 1, 0), (-1, 1, 0)]]
+    board = [[(-1, 0.2, 0.02), (0.2, 0.2, 0.02), (-1, 1, 0.02)]]
+    block = np.add(box(0.5), [0.7, -0.7, 0.2])
+    corners = np.concatenate([floor, board, block])
+    solid = np.array([False] * 3 + [True] * 12)
+    found = radiosity(corners, matter([0.5]), solid=solid, cells=0)
+    overhead = Direct(None, np.array([0.0, 0.0, 1.0]), np.ones(COUNT, np.float32))
+    light = found.lit_by([overhead])
+    np.testing.assert_allclose(light[:2], 1.0, rtol=1e-6)
+    assert not found.counts[:2].all()
+    # A board as high over a cell as the cell is wide casts a shadow.
+    corners[2, :, 2] = 1.0
+    found = radiosity(corners, matter([0.5]), solid=solid, cells=0)
+    assert 0.3 < found.lit_by([overhead])[1, 0] < 0.95

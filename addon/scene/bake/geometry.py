@@ -206,7 +206,7 @@ def _solid(triangles: NDArray[np.float64]) -> tuple[NDArray[np.bool_], list[_She
     odd = np.random.default_rng(7).integers(2**62, 2**63, 3).astype(np.uint64) | 1
     keys = (where.astype(np.uint64) * odd).sum(axis=1, dtype=np.uint64)
     corner = np.unique(keys, return_inverse=True)[1].reshape(-1, 3)
-    part = _parts(corner)
+    part = parts_of(corner)
     count = int(part.max()) + 1
     edges = np.sort(np.stack([corner, np.roll(corner, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
     wide = edges[:, 0] * (int(corner.max()) + 1) + edges[:, 1]
@@ -230,8 +230,9 @@ def _solid(triangles: NDArray[np.float64]) -> tuple[NDArray[np.bool_], list[_She
     return ((border == 0) & (volume > 0.0))[part], shells
 
 
-def _parts(corner: NDArray) -> NDArray[np.int64]:
-    """The number of the part that each triangle (n, 3) of corners belongs to, (n,)."""
+def parts_of(corner: NDArray) -> NDArray[np.int64]:
+    """The number of the part that each triangle (n, 3) of corners belongs to, (n,): what hangs
+    together by corners."""
     label = np.arange(int(corner.max()) + 1)
     while True:
         least = label[corner].min(axis=1)

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from ....node_groups import sky_bake
 from ...grouping import grouped
 from ...transport.cells import FINEST, Surfaces
+from ...transport.hits import Space
 from ...transport.radiosity import Radiosity
-from . import storage
+from . import hidden_corners, storage
 from .geometry import Geometry
 from .receivers import Points, Target
 from .storage import Fine
@@ -33,6 +34,9 @@ LONGEST, LEAST = 1.0 / 24.0, 1.0 / 1000.0
 
 DARK = 0.05
 """Of the brightest light, under which errors are relative to that."""
+
+MEETS = 0.5
+"""Part of the light that two surfaces take from each other where they meet, in the mean."""
 
 POWER = 0.75
 """Halving a cell divides what its middle is off by 2 where light has an edge, by 4 where it bends:
@@ -76,11 +80,16 @@ def begin(
 
 def bends(radiosity: Radiosity) -> NDArray[np.float64]:
     """Return by which part light in the middle of each triangle's cells is off what the cells
-    around tell, at worst of its cells, in units of a tolerance (t,)."""
+    around tell, at worst of its cells, in units of a tolerance (t,); by `MEETS` at least where
+    something stands on it."""
     cells = radiosity.space.cells
     light = np.zeros(cells.patches)
     np.maximum.at(light, radiosity.patch, radiosity.E.mean(axis=1))
-    return cells.curvature(np.log(light + DARK * max(float(light.max(initial=0.0)), 1e-30)))
+    off = cells.curvature(np.log(light + DARK * max(float(light.max(initial=0.0)), 1e-30)))
+    fronts = radiosity.counts[: cells.patches]
+    meets = (fronts.any(axis=1) & ~fronts.all(axis=1))[cells.patch]
+    np.maximum.at(off, cells.triangle[meets], MEETS)
+    return off
 
 
 def refine(
@@ -118,8 +127,8 @@ def refine(
         plan.levels = np.where(plan.coarse.managed, now, 0).astype(int)
 
 
-def lay_out(plans: Sequence[Plan], around: Geometry) -> list[Target]:
-    """Divide objects as planned, and return them with their points."""
+def lay_out(plans: Sequence[Plan], around: Geometry, space: Space) -> list[Target]:
+    """Divide objects as planned, and return them with their points, by what hides them."""
     for plan in plans:
         storage.write_levels(plan.bake, plan.levels, plan.split & (plan.levels > 0))
     owners = {name: number for number, name in enumerate(around.owners)}
@@ -132,9 +141,11 @@ def lay_out(plans: Sequence[Plan], around: Geometry) -> list[Target]:
         polygon = around.polygon[own]
         inside = polygon < len(loose)
         loose[polygon[inside]] = ~around.solid[own][inside]
+        points = Points(plan.obj, fine, around.origin, around.size)
+        fine = hidden_corners.with_twins(fine, points, space)
+        points = Points(plan.obj, fine, around.origin, around.size)
         backs = np.zeros(len(fine.places), bool)
         backs[fine.point] = loose[fine.coarse[fine.face]]
-        points = Points(plan.obj, fine, around.origin, around.size)
         split = plan.split & (plan.levels > 0)
         storage.write(plan.obj, plan.bake, fine, plan.levels, split, bool(backs.any()))
         targets.append(Target(plan.obj.name, fine, points, backs))

@@ -14,6 +14,9 @@ from ...transport.hits import Hits, Space, gather, joined
 from . import storage
 from .storage import Fine
 
+COVER = 0.1
+"""What lies so near over a point, of its cells' size, hides it: a rug, or a door on a wall."""
+
 UNTOLD = 0.5
 """A point of whose rays less than this part tell anything lies in something solid."""
 
@@ -34,6 +37,7 @@ class Points:
         count = len(places)
         shown = np.bincount(fine.point, fine.managed[fine.face], count) > 0
         self.shown = shown & (length[:, 0] > 0.0)
+        self.shown[count - len(fine.twin_of) :] = False
         self.slot = np.zeros(count, int)
         self.slot[fine.point] = fine.slots[fine.face]
         at = places[fine.point]
@@ -50,6 +54,8 @@ class Points:
         off = [np.bincount(fine.point, column, count) for column in (*inwards.T, lift[fine.face])]
         off = np.stack(off, axis=1) / np.maximum(shares, 1)[:, None]
         self.inner, self.lift = places + off[:, :3], off[:, 3:]
+        self.cover = np.zeros(count)
+        np.maximum.at(self.cover, fine.point, COVER * radius[fine.face])
 
     def starts(self, side: float) -> NDArray:
         """Where rays start (n, 3) before the faces (1), or behind them (-1)."""
@@ -89,10 +95,10 @@ class Target:
 class Receivers:
     """All points that want light, by material, and what their rays have met so far."""
 
-    def __init__(self, targets: Sequence[Target], materials: Sequence[str]) -> None:
+    def __init__(self, targets: Sequence[Target], materials: Sequence[str], space: Space) -> None:
         self.targets = list(targets)
         number = {name: k for k, name in enumerate(materials)}
-        places, normals, kinds = [], [], []
+        places, normals, kinds, covers = [], [], [], []
         spans: list[tuple[Target, float, NDArray]] = []
         for target in targets:
             points = target.points
@@ -103,11 +109,14 @@ class Receivers:
                 places.append(points.starts(side)[chosen])
                 normals.append(side * points.normals[chosen])
                 kinds.append(of_slot[points.slot[chosen]])
+                covers.append(points.cover[chosen])
         kind = np.concatenate([*kinds, np.empty(0, int)])
         order = np.argsort(kind, kind="stable")
         self.places = np.concatenate([*places, np.empty((0, 3))])[order].astype(np.float32)
         self.normals = np.concatenate([*normals, np.empty((0, 3))])[order].astype(np.float32)
         self.kind = kind[order]
+        cover = np.concatenate([*covers, np.empty(0)])[order]
+        self.hidden, _ = space.hidden(self.places, self.normals, cover)
         back = np.empty(len(order), int)
         back[order] = np.arange(len(order))
         first = 0
@@ -138,7 +147,7 @@ class Receivers:
         matrix: Callable[[int], NDArray],
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return the colour (n, 3) that light makes of each receiver, and what part (n,) of its
-        rays tells anything.
+        rays tells anything, 0 where something covers it.
 
         ``table`` (rows, 16): radiance; ``tells`` (rows,): 1 where that is worth anything. By a
         material's number ``sky`` gives the colours (SKY, 3) that it has in each cell of the sphere,
@@ -170,6 +179,7 @@ class Receivers:
             exact = self._open(part, seen) * sums[:, 4:7]
             result[part] = (sums[:, :3] + exact) / scale
             told[part] = sums[:, 3] / rays
+        told[self.hidden] = 0.0
         return result, told
 
     def _open(self, part: slice, sky: NDArray[np.float32]) -> NDArray[np.float64]:
@@ -190,13 +200,16 @@ class Receivers:
 
 
 def filled(fine: Fine, colours: NDArray, told: NDArray) -> NDArray:
-    """Return colours (p, 3) of points, of those in something solid their neighbours', two cells
-    far: the foot of a wall casts no shadow on the floor beside it."""
+    """Return colours (p, 3) of points, of those in or under something their neighbours', two cells
+    far: the foot of a wall casts no shadow on the floor beside it. Twins have their cells'."""
     known = told >= UNTOLD
     one, other = fine.point, fine.point[fine.following]
     one, other = np.concatenate([one, other]), np.concatenate([other, one])
+    twin = np.arange(len(known)) >= len(known) - len(fine.twin_of)
     colours = colours.copy()
-    for _ in range(2):
+    for last in (False, False, True):
+        if last:  # at least what their cells' other corners have, told or not
+            known = ~(twin & ~known)
         pairs = np.flatnonzero(~known[one] & known[other])
         count = np.bincount(one[pairs], minlength=len(known))
         reached = count > 0

@@ -88,7 +88,7 @@ def baking(
         coarse.solve(light.sky, np.zeros_like(coarse.E))
         bend = layout.bends(coarse)
         layout.refine(plans, around, bend, levels, tolerance)
-        targets = layout.lay_out(plans, around)
+        targets = layout.lay_out(plans, around, space)
         own = set(objects)
         others = [obj for obj in bpy.data.objects if obj not in own and storage.is_lit(obj)]
         targets += _kept_targets(others, around)
@@ -99,7 +99,7 @@ def baking(
         radiosity = Radiosity(space)
         for done in radiosity.cast(SENT[1]):
             yield Progress(0.3 + 0.3 * done, "light between surfaces")
-        receivers = Receivers(targets, around.materials)
+        receivers = Receivers(targets, around.materials, space)
         session = _Session(0, around.origin, around.materials, radiosity, receivers)
         solved = _solve(session, light)
         total = _rays(len(receivers), slow) if count is None else count
@@ -142,7 +142,7 @@ def relighting(
         radiosity = Radiosity(space)
         for done in radiosity.cast(SENT[1]):
             yield Progress(0.3 * done, "light between surfaces")
-        receivers = Receivers(_kept_targets(objects, around), around.materials)
+        receivers = Receivers(_kept_targets(objects, around), around.materials, space)
         total = _rays(len(receivers), False)
         for done in receivers.cast(space, directions.pattern(total)):
             yield Progress(0.3 + 0.6 * done, f"{len(receivers):,} points")
@@ -190,6 +190,7 @@ def _write(session: _Session, light: Light, solved) -> None:
             share = np.zeros(len(values))
             values[points, :3], share[points] = colours[numbers], told[numbers]
             values[points, 3] = baked_light.FLAG
+            values[len(values) - len(target.fine.twin_of) :, 3] = baked_light.FLAG
             values[:, :3] = filled(target.fine, values[:, :3], share)
             storage.write_attribute(target.bake, name, values)
         target.bake.data.update()
@@ -204,7 +205,8 @@ def _kept_targets(objects: Sequence[bpy.types.Object], around: geometry.Geometry
         bake = storage.bake_of(obj)
         if fine is None or bake is None:
             continue
-        if len(fine.places) != modifiers.get_input(storage.modifier_of(obj), "Faces"):
+        fine = storage.as_baked(fine, bake)
+        if fine is None:
             continue  # no longer the mesh that was baked
         points = Points(obj, fine, around.origin, around.size)
         backs = np.full(len(fine.places), baked_light.BEHIND in bake.data.attributes)

@@ -7,7 +7,7 @@ one each. See `node_groups.sky_bake` for how it is laid out.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import bpy
 import numpy as np
@@ -105,6 +105,18 @@ class Fine:
     """Full names of the slots' materials, empty for none."""
     managed: NDArray[np.bool_] = field(default_factory=lambda: np.empty(0, bool))
     """(f,), whether a face's material is managed."""
+    twin_of: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, np.int64))
+    """(t,), of which points the last t are twins (see `hidden_corners`)."""
+
+    def with_twins(self, point: NDArray[np.int64], twin_of: NDArray[np.int64]) -> Fine:
+        """The same faces with so many points more, their corners brought to ``point`` (c,)."""
+        return replace(
+            self,
+            places=np.concatenate([self.places, self.places[twin_of]]),
+            normals=np.concatenate([self.normals, self.normals[twin_of]]),
+            point=point,
+            twin_of=twin_of,
+        )
 
     @property
     def face(self) -> NDArray[np.int64]:
@@ -191,6 +203,22 @@ def _keys(rounded: NDArray[np.float64]) -> NDArray[np.uint64]:
     whole = rounded.astype(np.int64).astype(np.uint64)
     mixed = (whole * odd).sum(axis=1, dtype=np.uint64)
     return mixed ^ (mixed >> np.uint64(31))
+
+
+def as_baked(fine: Fine, bake: bpy.types.Object) -> Fine | None:
+    """The faces of an evaluated mesh with the points that its bake has; None of another mesh."""
+    mesh, count = bake.data, len(fine.places)
+    point = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", point)
+    if len(point) != len(fine.point):
+        return None
+    twins = np.flatnonzero(point >= count)
+    twin_of = np.zeros(int(point.max(initial=-1)) + 1 - count if len(twins) else 0, np.int64)
+    twin_of[point[twins] - count] = fine.point[twins]
+    expected = np.where(point >= count, fine.point, point)
+    if not np.array_equal(expected, fine.point):
+        return None
+    return fine.with_twins(point.astype(np.int64), twin_of)
 
 
 def write_levels(bake: bpy.types.Object, levels: NDArray, split: NDArray) -> None:
