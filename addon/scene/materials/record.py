@@ -116,9 +116,9 @@ _RESULT: dict[str, Callable[[Any], bool]] = {
     "colour": lambda value: kept.are_numbers(value, 3),
     "out_of_gamut": lambda value: isinstance(value, bool),
     "line": _is_text,
+    "unknown": _is_text,
 }
 _DETAILS: dict[str, Callable[[Any], bool]] = {
-    "unknown": _is_text,
     "values": lambda value: kept.are_numbers(value, 81) or value == (),
     "measured": lambda value: kept.are_numbers(value, 2),
     "source": lambda value: isinstance(value, tuple),
