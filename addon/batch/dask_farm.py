@@ -18,12 +18,13 @@ from typing import Any
 import distributed
 from distributed import Client, Future, WorkerPlugin
 
-from .. import errors
+from .. import choices, errors
 from ..errors import InputError
+from ..scene.output import task_paths
 from . import task as task_module
 from . import worker as worker_module
 from .dispatch import CHUNK
-from .task import Task, task_of
+from .task import Task, sources, task_of
 from .worker import Worker, blender_command
 
 CONNECT = 10.0
@@ -48,7 +49,7 @@ class Blenders(WorkerPlugin):
     def __init__(self, root: str, blender: str | None, timeout: float | None) -> None:
         self.root, self.blender, self.timeout = root, blender, timeout
         self.name = f"spectral-skylight {root}"
-        self.scripts = task_module.sources()
+        self.scripts = sources()
 
     async def setup(self, worker: Any) -> None:
         """Offer the worker's threads, if it has a Blender and sees the plan."""
@@ -202,6 +203,15 @@ def _scheduler_there() -> Iterator[None]:
         raise ConnectionError(said) from None
 
 
+def travel_by_value() -> None:
+    """Have what workers run travel with all that it needs: they have nothing of this package."""
+    import cloudpickle
+
+    ours = (worker_module, task_module, task_paths, choices, errors)
+    for module in (sys.modules[__name__], *ours):
+        cloudpickle.register_pickle_by_value(module)
+
+
 @contextlib.contextmanager
 def dask_pool(
     address: str,
@@ -216,13 +226,10 @@ def dask_pool(
     workers; ``timeout``: of a picture [s]. However the block ends, nothing goes on
     rendering. Raises InputError where no scheduler answers or no worker can render.
     """
-    import cloudpickle
-
     from .online import check_online  # workers get this module's functions, not that one's
 
     check_online(address)
-    for module in (sys.modules[__name__], worker_module, task_module, errors):
-        cloudpickle.register_pickle_by_value(module)
+    travel_by_value()
     try:
         client = Client(address, timeout=CONNECT, set_as_default=False)
     except (OSError, ValueError) as error:

@@ -1,6 +1,8 @@
 """What `dask_farm.DaskPool` adds to Dask, with an instant stand-in for Blender."""
 
 import os
+import subprocess
+import sys
 import threading
 import time
 
@@ -50,3 +52,20 @@ def test_how_many_pictures_a_worker_is_given(tmp_path):
     for seconds, together in ((0.0, 12), (1.0, 12), (100.0, 6), (599.0, 1), (7200.0, 1)):
         pool._rendered, pool._seconds = 3, 3 * seconds
         assert pool.together() == together
+
+
+def test_what_workers_run_needs_nothing_of_ours(tmp_path, elsewhere):
+    """It is unpickled where the package is not, and knows a task's line."""
+    import cloudpickle
+
+    dask_farm.travel_by_value()
+    plugin = dask_farm.Blenders(str(tmp_path), None, None)
+    (tmp_path / "sent").write_bytes(cloudpickle.dumps((plugin, dask_farm.task_of)))
+    line = instant_plan(tmp_path / "plan", 1).read_text(encoding="utf-8").splitlines()[1]
+    read = (
+        "import pickle, sys; plugin, task_of = pickle.load(open(sys.argv[1], 'rb'))\n"
+        "print(plugin.name, task_of(sys.argv[2]).camera)"
+    )
+    command = [sys.executable, "-c", read, str(tmp_path / "sent"), line]
+    done = subprocess.run(command, env=elsewhere, capture_output=True, text=True)
+    assert done.stdout == f"spectral-skylight {tmp_path} camera 0\n", done.stderr
