@@ -125,6 +125,15 @@ class Farm:
                     self._work(worker, task)
         return self.status
 
+    def requeue(self):
+        """Queue again what did not succeed, for all workers, and run."""
+        self._blocked.clear()
+        self._failures.clear()
+        for task in self.tasks:
+            if task["status"] != "completed":
+                task |= {"status": "queued", "failed by": set(), "log": ""}
+        return self.run()
+
     def _task_for(self, worker):
         done = {task["uuid"] for task in self.tasks if task["status"] == "completed"}
         for task in self.tasks:

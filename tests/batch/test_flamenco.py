@@ -46,27 +46,29 @@ def test_each_range_is_a_task(text, expected):
     assert {task["type"] for task in tasks} == {"blender"}
     assert len({task["name"] for task in tasks}) == len(tasks)
     assert not any(task["dependencies"] for task in tasks)
-    checked = [manager.line_of(command, {}) for command in last["commands"]]
-    assert all(line[-1] == "--check" for line in checked)
-    places = [[int(line[line.index(at) + 1]) for at in ("--first", "--count")] for line in checked]
-    assert [n for first, count in places for n in range(first, first + count)] == [
+    lines = [manager.line_of(command, {}) for command in last["commands"]]
+    parts = 2 if text.endswith(", 9") else 1
+    assert [line[-1] for line in lines] == parts * ["--missing"] + parts * ["--check"]
+    places = [[int(line[line.index(at) + 1]) for at in ("--first", "--count")] for line in lines]
+    assert [n for first, count in places for n in range(first, first + count)] == 2 * [
         n for part in expected for n in part
     ]
-    assert len(checked) == (2 if text.endswith(", 9") else 1)
 
 
-def test_the_report_waits_for_the_pictures_and_the_check_for_the_report():
-    """The check may end the job, which cancels what waits. Any worker with Blender can do both."""
+def test_the_last_task_renders_what_is_missing_reports_and_checks():
+    """The report before the check, whose failure may end the job. Any worker can do all three."""
     job = {"plan": "{shared}/house/plan.jsonl", "pictures": "0-39/10", "report": True}
-    *tasks, report, check = manager.compile_job(job)
-    assert report["dependencies"] == [task["uuid"] for task in tasks] and len(tasks) == 4
-    assert check["dependencies"] == [report["uuid"]]
-    assert {task["type"] for task in (*tasks, report, check)} == {"blender"}
-    line = manager.command_line(report, {"shared": "/farm", "blender": "/opt/blender"})
-    assert line[:3] == ["/opt/blender", "-b", "--factory-startup"]
-    assert line[-3:] == ["/farm/house/report.py", "--", PLAN]
-    without = manager.compile_job({**job, "report": False})
-    assert without[-1]["dependencies"] == [task["uuid"] for task in manager.renders(without)]
+    *tasks, last = manager.compile_job(job)
+    assert last["dependencies"] == [task["uuid"] for task in tasks] and len(tasks) == 4
+    assert {task["type"] for task in (*tasks, last)} == {"blender"}
+    assert last["name"] == "missing pictures, report, check"
+    variables = {"shared": "/farm", "blender": "/opt/blender"}
+    missing, report, check = (manager.line_of(each, variables) for each in last["commands"])
+    assert missing[-1] == "--missing" and check[-1] == "--check"
+    assert report[:3] == ["/opt/blender", "-b", "--factory-startup"]
+    assert report[-3:] == ["/farm/house/report.py", "--", PLAN]
+    last = manager.compile_job({**job, "report": False})[-1]
+    assert last["name"] == "missing pictures, check" and len(last["commands"]) == 2
 
 
 @pytest.mark.parametrize(

@@ -86,8 +86,8 @@ def test_a_submitted_plan_is_rendered(plan, blender, elsewhere, tmp_path, capsys
     assert required <= job["settings"].keys() <= {setting["key"] for setting in kind["settings"]}
     assert farm.run() == "completed"
     dawn, noon = "dawn: camera 0, camera 1, camera 2", "noon: camera 0, camera 1, camera 2"
-    check = "check that all pictures are there"
-    assert [task["name"] for task in farm.tasks] == [dawn, noon, "report", check]
+    last = "missing pictures, report, check"
+    assert [task["name"] for task in farm.tasks] == [dawn, noon, last]
     assert files(there) == files(plan)
     report = json.loads((there.parent / "report.json").read_text(encoding="utf-8"))
     assert report["counts"] == {"done": 6} and all(p["seconds"] > 0 for p in report["pictures"])
@@ -105,25 +105,34 @@ def test_a_submitted_plan_is_rendered(plan, blender, elsewhere, tmp_path, capsys
 
 @pytest.mark.parametrize("workers", [1, 2, 4])
 def test_a_bad_picture_costs_no_good_one(plan, blender, tmp_path, workers):
-    """Whatever the farm's size all others are rendered, then reported; the check has the list."""
+    """Whatever the farm's size all others are rendered, then reported; the check has the list.
+
+    Once the cause is gone, requeueing the job renders what was missing and nothing else.
+    """
     there = bad(plan, tmp_path / "there")
     farm = Farm(workers, {"blender": blender})
     with answering(farm.replies()) as address:
         submit.submit(address, submit.job_of(there, 3, 1, report=True))
     farm.run()
-    *renders, report, check = farm.tasks
-    assert {task["status"] for task in (*renders, report)} == {"completed"} and len(renders) == 2
+    *renders, last = farm.tasks
+    assert {task["status"] for task in renders} == {"completed"} and len(renders) == 2
     assert sorted(name for name in files(there) if name.endswith(".exr")) == GOOD
     found = json.loads((there.parent / "report.json").read_text(encoding="utf-8"))
     assert found["counts"] == {"done": 5, "failed": 1}
     (failed,) = [p for p in found["pictures"] if p["status"] == "failed"]
     assert failed["camera"] == "camera nobody has" and "camera nobody has" in failed["error"]
     assert "camera nobody has" in (there.parent / "report.html").read_text(encoding="utf-8")
-    assert check["status"] == "failed" and farm.status == "failed"
-    assert "1 of 6 pictures are missing:\n" in check["log"]
-    assert "dawn_1.exr" in check["log"].splitlines()[-1]
-    assert "camera nobody has" in check["log"].splitlines()[-1]
+    assert last["status"] == "failed" and farm.status == "failed"
+    assert "1 of 6 pictures are missing:\n" in last["log"]
+    assert "dawn_1.exr" in last["log"].splitlines()[-1]
+    assert "camera nobody has" in last["log"].splitlines()[-1]
     assert all("camera nobody has" not in task["log"] for task in renders[1:])
+    good = files(there)
+    there.write_text(plan.read_text(encoding="utf-8"), encoding="utf-8")
+    assert farm.requeue() == "completed" and files(there) == files(plan) != good
+    assert last["log"].count('"rendered"') == 1
+    found = json.loads((there.parent / "report.json").read_text(encoding="utf-8"))
+    assert found["counts"] == {"done": 6}
 
 
 def test_only_the_tags_workers_are_asked_for(plan, tmp_path, capsys):

@@ -25,31 +25,32 @@ function compileJob(job) {
     const plan = absolute(settings.plan);
     const cut = ranges(settings.pictures);
     const names = settings.names ? settings.names.split("\n") : [];
-    let before = cut.map(function (range, index) {
+    const renders = cut.map(function (range, index) {
         const name = names[index] || "pictures " + range.first + "-" + range.last;
         const task = author.Task(name, "blender");
         task.addCommand(blender(plan, "render_task.py", place(range), size(range)));
         return task;
     });
-    before.forEach(function (task) { job.addTask(task); });
-    if (settings.report) {
-        const report = author.Task("report", "blender");
-        report.addCommand(blender(plan, "report.py", [], 1));
-        before = after(job, before, report);
-    }
-    // A failed picture does not fail its task, or Flamenco would end the job. This one fails.
-    const check = author.Task("check that all pictures are there", "blender");
-    joined(cut).forEach(function (range) {
-        check.addCommand(blender(plan, "render_task.py", place(range).concat("--check"), 1));
-    });
-    after(job, before, check);
+    renders.forEach(function (task) { job.addTask(task); });
+    job.addTask(lastTask(plan, joined(cut), settings.report, renders));
 }
 
-// Adds a task that waits for others; returns it as what the next one waits for.
-function after(job, before, task) {
-    before.forEach(function (each) { task.addDependency(each); });
-    job.addTask(task);
-    return [task];
+// A failed picture does not fail its task, or Flamenco would end the job. This task tries it again,
+// on whichever worker is free, and fails if it is still missing. Requeueing the job starts it anew.
+function lastTask(plan, cut, report, renders) {
+    const task = author.Task("missing pictures, " + (report ? "report, " : "") + "check", "blender");
+    cut.forEach(function (range) {
+        const args = place(range).concat("--missing");
+        task.addCommand(blender(plan, "render_task.py", args, 1));
+    });
+    if (report) {
+        task.addCommand(blender(plan, "report.py", [], 1));
+    }
+    cut.forEach(function (range) {
+        task.addCommand(blender(plan, "render_task.py", place(range).concat("--check"), 1));
+    });
+    renders.forEach(function (each) { task.addDependency(each); });
+    return task;
 }
 
 // A command that starts Blender without add-ons and preferences on a script beside the plan.

@@ -66,7 +66,8 @@ def render(
                 return 1
             if not _say(out, ANSWER + json.dumps(answer), *_for_flamenco(task, root, answer)):
                 return 1
-    _say(out, ", ".join(f"{number} {status}" for status, number in counts.items()))
+    said = ", ".join(f"{number} {status}" for status, number in counts.items())
+    _say(out, said or "nothing to render")
     return 0
 
 
@@ -91,6 +92,15 @@ def _say(out: IO[str], *lines: str) -> bool:
     return True
 
 
+def lacks(task: Task, root: Path) -> str:
+    """Say why a picture is not there, by whichever build of Blender; empty where it is."""
+    try:
+        made_by(plan_data.inside(root, task["exr"], ".exr"), task["key"])
+    except (OSError, ValueError) as error:
+        return str(getattr(error, "strerror", None) or error)
+    return ""
+
+
 def check(tasks: Iterable[Task], root: Path, out: IO[str]) -> int:
     """Render nothing and list what is missing of a range, and why; 1 where that is anything."""
     known = answers(root)
@@ -98,10 +108,7 @@ def check(tasks: Iterable[Task], root: Path, out: IO[str]) -> int:
     for task in tasks:
         total += 1
         answer: Answer = {"index": task["index"], "status": "skipped"}
-        try:
-            made_by(plan_data.inside(root, task["exr"], ".exr"), task["key"])
-        except (OSError, ValueError) as error:
-            reason = getattr(error, "strerror", None) or error
+        if reason := lacks(task, root):
             said = known.get(task["key"], {}).get("failed", {}).get("error")
             missing.append(said or f"{root / task['exr']}: is not there, or not whole ({reason})")
             answer |= {"status": "failed", "error": missing[-1]}

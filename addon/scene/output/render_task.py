@@ -3,10 +3,11 @@
 A batch puts copies of it and of what it imports beside its plan: it needs no package.
 
     blender -b --factory-startup -P render_task.py -- PLAN.jsonl --first 0 --count 40
+    blender -b --factory-startup -P render_task.py -- PLAN.jsonl --missing
     blender -b --factory-startup -P render_task.py -- PLAN.jsonl --check
     blender -b --factory-startup -P render_task.py -- --serve
 
-The first two are `plan_range`'s. The third reads tasks from stdin, a JSON object a line, and
+The first three are `plan_range`'s. The last reads tasks from stdin, a JSON object a line, and
 answers each by a line on stdout that starts with `ANSWER`. bpy as a module: `python
 render_task.py …`.
 """
@@ -267,7 +268,8 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("--first", type=int, default=0, help="number of the first task")
     parser.add_argument("--count", type=int, help="how many; default: all")
     parser.add_argument("--serve", action="store_true", help="tasks from stdin, answers to stdout")
-    parser.add_argument("--check", action="store_true", help="render nothing, see what is whole")
+    parser.add_argument("--missing", action="store_true", help="only those that are not there")
+    parser.add_argument("--check", action="store_true", help="render nothing, list what is missing")
     parser.add_argument("--root", type=Path, help="of the tasks' paths; default: the plan's folder")
     parser.add_argument("--threads", type=int, default=0, help="of a render; default: all cores")
     options = parser.parse_args(arguments)
@@ -282,6 +284,8 @@ def main(arguments: list[str]) -> int:
     if options.plan is None:
         parser.error("give a plan or --serve")
     tasks = plan_range.planned(options.plan, options.first, options.count)
+    if options.missing:
+        tasks = (task for task in tasks if plan_range.lacks(task, root))
     if options.check:
         return plan_range.check(tasks, root, answers)
     return plan_range.render(tasks, root, lambda t: perform(t, root, options.threads), answers)
