@@ -18,9 +18,9 @@ from typing import Any
 import distributed
 from distributed import Client, Future, WorkerPlugin
 
-from .. import choices, errors
+from .. import errors
 from ..errors import InputError
-from ..scene.output import task_paths
+from ..scene.output import plan_data
 from . import task as task_module
 from . import worker as worker_module
 from .dispatch import CHUNK
@@ -207,7 +207,7 @@ def travel_by_value() -> None:
     """Have what workers run travel with all that it needs: they have nothing of this package."""
     import cloudpickle
 
-    ours = (worker_module, task_module, task_paths, choices, errors)
+    ours = (worker_module, task_module, plan_data, errors)
     for module in (sys.modules[__name__], *ours):
         cloudpickle.register_pickle_by_value(module)
 
