@@ -190,7 +190,9 @@ def _read(shown: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray, list[s
     triangles = places.reshape(-1, 3)[corners.reshape(-1, 3)].astype(float)
     if smooth:
         shown.to_mesh_clear()
-    return triangles, np.minimum(slots, len(names) - 1), names, polygons
+    there = np.isfinite(triangles).all(axis=(1, 2))  # broken modifiers and imports leave NaN
+    slots = np.minimum(slots, len(names) - 1)
+    return triangles[there], slots[there], names, polygons[there]
 
 
 def _solid(triangles: NDArray[np.float64]) -> tuple[NDArray[np.bool_], list[_Shell]]:
