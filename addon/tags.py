@@ -50,6 +50,8 @@ LEFT_ALONE = "spectral_skylight_left"
 """Names of materials that were left alone, and why, as JSON."""
 UNBAKED = "spectral_skylight_unbaked"
 """Names of objects whose bake is missing or old, as JSON."""
+PICTURE = "spectral_skylight_picture"
+"""On a scene whose view shows colors as computed: what it had before."""
 VIEW = "spectral_skylight_view"
 """On a scene whose white is ours: its view before, and as we set it."""
 

@@ -36,7 +36,7 @@ def write(plan: Plan) -> Generator[Progress, None, list[Result]]:
     Whoever closes the generator leaves those before it whole, lit and described.
     """
     yield Progress(0.0, "the sky")
-    rgb_comparison.show(False)
+    rgb_comparison.show(rgb_comparison.SPECTRAL)
     settings.store(plan.world, plan.settings)
     if plan.materials or spectral_material.managed_materials(plan.world):
         lighting.install(plan.world, plan.lights)  # glass alone needs no lamps

@@ -7,7 +7,7 @@ import bpy
 from ..choices import BAKED
 from ..grouping import grouped
 from ..progress import run
-from . import choice, give, operator, properties, update
+from . import choice, give, operator, properties, update, view
 
 
 class SKYLIGHT_OT_make_spectral(operator.Long, bpy.types.Operator):
@@ -49,6 +49,7 @@ its base color. Materials left alone are listed with the reason. Press Esc to st
         return use_cases.make_everything_spectral(context.scene, chosen, settings, self.estimate)
 
     def finish(self, context, done):
+        view.show(context)
         if done is None:
             return [("WARNING", "Stopped: the materials so far are spectral")]
         lines = give.of_results(done.results)

@@ -131,9 +131,9 @@ class SKYLIGHT_PT_library(bpy.types.Panel):
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Skylight"
-    bl_parent_id = "SKYLIGHT_PT_materials"
+    bl_parent_id = "SKYLIGHT_PT_main"
     bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 22
+    bl_order = 30
 
     def draw(self, context):
         layout = self.layout

@@ -34,4 +34,22 @@ class SKYLIGHT_OT_load_sky(operator.Thin, bpy.types.Operator):
         return [*lines, *operator.of_light(scene)]
 
 
-CLASSES = (SKYLIGHT_OT_load_sky,)
+class SKYLIGHT_OT_use_world(operator.Thin, bpy.types.Operator):
+    """Take the World as it is for the sky, whatever its nodes are"""
+
+    bl_idname = "skylight.use_world"
+    bl_label = "Use My World"
+
+    @classmethod
+    def disabled_reason(cls, context):
+        return operator.no_sky(context)
+
+    def run(self, context):
+        from ..scene.world import settings
+
+        world = context.scene.world
+        settings.store(world, properties.settings_of(world))
+        return [("INFO", f"Sky: {world.name}")]
+
+
+CLASSES = (SKYLIGHT_OT_load_sky, SKYLIGHT_OT_use_world)

@@ -3,7 +3,7 @@
 import bpy
 
 STEPS = (
-    ("load_sky", "make_spectral", "update", "remove_all"),
+    ("load_sky", "use_world", "make_spectral", "update", "remove_all"),
     ("choose_reflectance", "apply", "apply_selected", "apply_all", "estimate"),
     ("remove", "remove_selected"),
     ("explain",),
@@ -11,7 +11,7 @@ STEPS = (
     ("write_assignments", "read_assignments"),
     ("refresh_library", "library_problems", "write_assets"),
     ("bake", "stop_light", "remove_bakes"),
-    ("show_in_viewport", "before_after", "neutral_white"),
+    ("show_in_viewport", "before_after", "view_as", "neutral_white"),
     ("batch_write", "batch_start", "batch_cancel"),
 )
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import textwrap
+from typing import Any
 
 import bpy
 
 from .. import tags
-from ..errors import InputError
 from . import staleness_handlers
-from .labels import told
 
 CHARACTER = 5.6
 """Mean width of a character [pixels at scale 1]: Blender does not wrap text by itself."""
@@ -32,30 +31,41 @@ def paragraph(
         column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
 
 
-def sky(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """The World's HDRI, and what of it reaches materials."""
-    from ..scene.blend_data import working_space
-    from ..scene.world import hdri as worlds
+LOW, TWILIGHT = 10.0, 0.0
+"""[°] of the sun: under the first it is low, under the second it is dusk."""
+
+
+def of_sky(world: bpy.types.World, seen: Any) -> tuple[str, list[str]]:
+    """What a World's sky is, in a few words, and what else a person may want to know of it.
+
+    ``seen``: its `hdri.WorldSky`.
+    """
     from ..scene.world import light_group
 
-    world = context.scene.world
-    try:
-        seen = worlds.sky_of(world)
-    except InputError as error:
-        paragraph(layout, context, told(error), "ERROR")
-        return
-    layout.label(text=f"Sky: {seen.name}", icon="WORLD" if seen.image is None else "IMAGE_DATA")
     found = light_group.record_of(world)
     if found is None:
-        if seen.line:
-            paragraph(layout, context, seen.line, "INFO")
-        return
-    for note in found.notes:
-        paragraph(layout, context, note, "INFO")
-    if found.image != seen.name or found.space != working_space.name():
-        paragraph(
-            layout, context, "The HDRI or the working space has changed. Press Update", "ERROR"
-        )
+        return "Not analyzed yet", [seen.line] if seen.line else []
+    told = [*([seen.line] if seen.line else []), *found.notes]
+    words = _sun(found.rest.get("sun"))
+    return f"{words}, see below" if found.notes else f"{words}, good", told
+
+
+def _sun(sun: Any) -> str:
+    """The hour that a sky's sun tells of."""
+    if not sun:
+        return "No sun"
+    elevation = float(sun["elevation"])
+    kind = "Dusk" if elevation < TWILIGHT else "Low sun" if elevation < LOW else "Day"
+    return f"{kind}, sun at {elevation:.0f}°"
+
+
+def is_other_sky(world: bpy.types.World, seen: Any) -> bool:
+    """Whether materials were lit by another sky, or in another working space, than there is now."""
+    from ..scene.blend_data import working_space
+    from ..scene.world import light_group
+
+    found = light_group.record_of(world)
+    return found is not None and (found.image, found.space) != (seen.name, working_space.name())
 
 
 def model(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -123,3 +133,14 @@ def material(
     if managed.world != context.scene.world:
         name = managed.world.name if managed.world else "none"
         paragraph(box, context, f"Lit by World {name}, not by this scene's. Press Update", "ERROR")
+
+
+def view(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """What the view transform does to colors, and the button for a neutral white."""
+    from ..scene.world import view_transform
+
+    fit, line = view_transform.transform_line(context.scene)
+    paragraph(layout, context, line, "CHECKMARK" if fit else "INFO")
+    on = tags.VIEW in context.scene
+    text = "Restore White Balance" if on else "Balance View to This Sky"
+    layout.operator("skylight.neutral_white", text=text, depress=on).on = not on

@@ -1,12 +1,20 @@
-"""The sidebar of the 3D view, tab Skylight: three steps from top to bottom.
+"""The sidebar of the 3D view, tab Skylight: three boxes in one panel, and closed ones below.
 
-Sky · Materials · Result. What is rarely needed stands in a closed panel under its step.
+Sky · Materials · Look are all that a scene needs. What is rarely needed stands closed under them.
 """
 
 import bpy
 
 from ..choices import AUTO, BAKED
-from . import material_panel, panel_text, result, targets
+from . import (
+    all_materials,
+    look_box,
+    material_panel,
+    materials_box,
+    panel_text,
+    sky_box,
+    targets,
+)
 
 
 class Sidebar:
@@ -24,9 +32,9 @@ class Child(Sidebar):
 
 
 class OfWorld(Child):
-    """Settings that lie with the scene's World."""
+    """Settings that lie with the scene's World, under Advanced."""
 
-    bl_parent_id = "SKYLIGHT_PT_sky"
+    bl_parent_id = "SKYLIGHT_PT_advanced"
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
@@ -35,25 +43,75 @@ class OfWorld(Child):
 
 
 class SKYLIGHT_PT_main(Sidebar, bpy.types.Panel):
-    """How far the scene is."""
+    """All that a scene needs."""
 
     bl_label = "Spectral Skylight"
 
     def draw(self, context):
-        result.summary(self.layout, context)
+        layout = self.layout
+        sky_box.draw(layout, context)
+        later = layout.column()
+        later.enabled = sky_box.is_chosen(context.scene.world)
+        materials_box.draw(later, context)
+        look_box.draw(later, context)
 
 
-class SKYLIGHT_PT_sky(Child, bpy.types.Panel):
-    """First step: what lights the scene."""
+class SKYLIGHT_PT_material(Child, bpy.types.Panel):
+    """The active object's active material."""
 
-    bl_label = "Sky"
-    bl_order = 10
+    bl_label = "Selected Material"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 20
+
+    def draw(self, context):
+        material = targets.active(context)
+        if material is None:
+            self.layout.label(text="Select an object with a material")
+            return
+        self.layout.label(text=material.name, icon="MATERIAL", translate=False)
+        material_panel.draw(self.layout, context, material)
+
+
+class SKYLIGHT_PT_all(Child, bpy.types.Panel):
+    """All spectral materials of the file, a row each."""
+
+    bl_label = "All Materials"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 40
 
     def draw(self, context):
         layout = self.layout
-        layout.template_ID(context.scene, "world")
-        layout.operator("skylight.load_sky", text="Load Sky HDRI...", icon="FILEBROWSER")
-        panel_text.sky(layout, context)
+        all_materials.table(layout)
+        all_materials.left(layout, context)
+        row = layout.row(align=True)
+        row.operator("skylight.write_assignments")
+        row.operator("skylight.read_assignments")
+
+
+class SKYLIGHT_PT_advanced(Child, bpy.types.Panel):
+    """How the numbers come about."""
+
+    bl_label = "Advanced"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 95
+
+    def draw(self, context):
+        layout = self.layout
+        layout.operator("skylight.update", icon="FILE_REFRESH")
+        panel_text.view(layout, context)
+
+
+class SKYLIGHT_PT_last(Child, bpy.types.Panel):
+    """The way back."""
+
+    bl_label = "Remove"
+    bl_options = {"HIDE_HEADER"}
+    bl_order = 99
+
+    def draw(self, context):
+        self.layout.operator(
+            "skylight.remove_all", text="Remove All and Restore My World", icon="X"
+        )
 
 
 class SKYLIGHT_PT_light(OfWorld, bpy.types.Panel):
@@ -97,61 +155,11 @@ class SKYLIGHT_PT_numbers(OfWorld, bpy.types.Panel):
         panel_text.model(layout, context)
 
 
-class SKYLIGHT_PT_materials(Child, bpy.types.Panel):
-    """Second step: what the scene is made of."""
-
-    bl_label = "Materials"
-    bl_order = 20
-
-    def draw(self, context):
-        layout = self.layout
-        column = layout.column()
-        column.scale_y = 1.6
-        column.operator("skylight.make_spectral", icon="MATERIAL")
-        row = layout.row(align=True)
-        row.operator("skylight.update", icon="FILE_REFRESH")
-        row.operator("skylight.remove_all", text="Remove All", icon="X")
-        result.problems(layout, context)
-
-
-class SKYLIGHT_PT_material(Child, bpy.types.Panel):
-    """The active object's active material."""
-
-    bl_label = "Active Material"
-    bl_parent_id = "SKYLIGHT_PT_materials"
-    bl_order = 21
-
-    def draw(self, context):
-        material = targets.active(context)
-        if material is None:
-            self.layout.label(text="Select an object with a material")
-            return
-        self.layout.label(text=material.name, icon="MATERIAL")
-        material_panel.draw(self.layout, context, material)
-
-
-class SKYLIGHT_PT_left(Child, bpy.types.Panel):
-    """Materials of the scene that one click does not change, each with the reason."""
-
-    bl_label = "Left Alone"
-    bl_parent_id = "SKYLIGHT_PT_materials"
-    bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 28
-
-    @classmethod
-    def poll(cls, context):
-        return bool(result.left_alone(context))
-
-    def draw(self, context):
-        result.left(self.layout, context)
-
-
 class SKYLIGHT_PT_exactness(OfWorld, bpy.types.Panel):
     """How exact materials are to be, and what of their look stays."""
 
     bl_label = "Accuracy and Gloss"
-    bl_parent_id = "SKYLIGHT_PT_materials"
-    bl_order = 29
+    bl_order = 14
 
     def draw(self, context):
         layout = self.layout
@@ -160,48 +168,16 @@ class SKYLIGHT_PT_exactness(OfWorld, bpy.types.Panel):
         layout.prop(numbers, "tolerance")
         layout.prop(numbers, "gloss")
         layout.operator("skylight.apply_all", text="Apply Chosen Files Only")
-        row = layout.row(align=True)
-        row.operator("skylight.write_assignments")
-        row.operator("skylight.read_assignments")
         panel_text.paragraph(layout, context, "Press Update to apply changes")
-
-
-class SKYLIGHT_PT_result(Child, bpy.types.Panel):
-    """Third step: what is seen, and how far it can be trusted."""
-
-    bl_label = "Result"
-    bl_order = 30
-
-    def draw(self, context):
-        layout = self.layout
-        column = layout.column(align=True)
-        column.scale_y = 1.2
-        column.operator("skylight.show_in_viewport", icon="SHADING_RENDERED")
-        result.before_after(column)
-        result.view(layout, context)
-        result.caption(layout, context)
-
-
-class SKYLIGHT_PT_all(Child, bpy.types.Panel):
-    """All spectral materials of the file, a row each."""
-
-    bl_label = "All Spectral Materials"
-    bl_parent_id = "SKYLIGHT_PT_result"
-    bl_order = 32
-
-    def draw(self, context):
-        result.table(self.layout)
 
 
 CLASSES = (
     SKYLIGHT_PT_main,
-    SKYLIGHT_PT_sky,
+    SKYLIGHT_PT_material,
+    SKYLIGHT_PT_all,
+    SKYLIGHT_PT_advanced,
     SKYLIGHT_PT_light,
     SKYLIGHT_PT_numbers,
-    SKYLIGHT_PT_materials,
-    SKYLIGHT_PT_material,
-    SKYLIGHT_PT_left,
     SKYLIGHT_PT_exactness,
-    SKYLIGHT_PT_result,
-    SKYLIGHT_PT_all,
+    SKYLIGHT_PT_last,
 )

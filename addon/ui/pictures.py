@@ -110,13 +110,11 @@ class SKYLIGHT_PT_sky_map(panels.OfWorld, bpy.types.Panel):
         panel_text.paragraph(self.layout, context, text)
 
 
-class SKYLIGHT_PT_errors(panels.Child, bpy.types.Panel):
+class SKYLIGHT_PT_errors(panels.OfWorld, bpy.types.Panel):
     """What is expected of each material: RGB × RGB and the spectral matrix."""
 
     bl_label = "Expected Errors"
-    bl_parent_id = "SKYLIGHT_PT_result"
-    bl_options = {"DEFAULT_CLOSED"}
-    bl_order = 33
+    bl_order = 15
 
     def draw(self, context):
         from ..scene import portraits

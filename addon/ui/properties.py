@@ -3,6 +3,7 @@
 # No postponed annotations here and in operators: Blender reads its properties from them.
 # mypy: disable-error-code="valid-type"
 
+import math
 from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
@@ -157,6 +158,42 @@ def _stored_bool(key: str, **described: str):
     )
 
 
+def _socket(world, name: str):
+    """The socket of a World's node that turns its sky, or makes it brighter; None without it."""
+    from ..scene.world import hdri
+
+    sky = hdri.sky_of(world)
+    node = sky.mapping if name == "Rotation" else sky.background
+    return None if node is None else world.node_tree.nodes[node].inputs[name]
+
+
+def _turned(world) -> float:
+    """The sign of an angle in a World's Mapping: one that is a texture's turns the other way."""
+    from ..scene.world import hdri
+
+    return 1.0 if hdri.sky_of(world).inverse else -1.0
+
+
+def _rotation(self) -> float:
+    socket = _socket(self.id_data, "Rotation")
+    return 0.0 if socket is None else _turned(self.id_data) * socket.default_value[2]
+
+
+def _rotate(self, value: float) -> None:
+    if (socket := _socket(self.id_data, "Rotation")) is not None:
+        socket.default_value[2] = _turned(self.id_data) * value
+
+
+def _exposure(self) -> float:
+    socket = _socket(self.id_data, "Strength")
+    return 0.0 if socket is None else math.log2(max(socket.default_value, 2.0**-20))
+
+
+def _expose(self, value: float) -> None:
+    if (socket := _socket(self.id_data, "Strength")) is not None:
+        socket.default_value = 2.0**value
+
+
 def _spectrum(self) -> str:
     from ..scene.lights import user_lamps
 
@@ -188,6 +225,23 @@ class SkylightNumbers(bpy.types.PropertyGroup):
     leave theirs: the panel shows what the materials were made with, whoever made them.
     """
 
+    rotation: bpy.props.FloatProperty(
+        name="Rotation",
+        description="Turn of the sky about the vertical, counterclockwise from above",
+        subtype="ANGLE",
+        step=100,
+        get=_rotation,
+        set=_rotate,
+    )
+    exposure: bpy.props.FloatProperty(
+        name="Exposure",
+        description="Brightness of the sky, in stops. It is the Strength of the World's Background",
+        soft_min=-10.0,
+        soft_max=10.0,
+        precision=2,
+        get=_exposure,
+        set=_expose,
+    )
     basis: _stored_enum(
         "basis",
         items(offered_bases()),

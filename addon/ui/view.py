@@ -22,6 +22,11 @@ SHOWN = (
     ("TOGGLE", "Toggle", "Switch between RGB × RGB and spectral"),
     ("BEFORE", "RGB × RGB", "Before: RGB light times RGB base color, as Blender computes"),
     ("AFTER", "Spectral", "After: spectral shading"),
+    (
+        "DIFFERENCE",
+        "Difference × 8",
+        "RGB × RGB, and eight times what spectral shading changes of it",
+    ),
 )
 
 
@@ -62,16 +67,20 @@ Blender's studio light, and Solid shading shows only each material's color under
 
     def execute(self, context):
         """Switch the shading of the views."""
-        kind = self.shading
-        if kind == "AUTO":
-            eevee = context.scene.render.engine.startswith("BLENDER_EEVEE")
-            kind = "RENDERED" if eevee else "MATERIAL"
-        for view in _views(context, self.everywhere):
-            view.shading.type = kind
-            for name in ("world", "lights"):
-                setattr(view.shading, f"use_scene_{name}", True)
-                setattr(view.shading, f"use_scene_{name}_render", True)
+        show(context, self.shading, self.everywhere)
         return {"FINISHED"}
+
+
+def show(context: bpy.types.Context, shading: str = "AUTO", everywhere: bool = True) -> None:
+    """Let 3D views show the sky and the lamps of the scene; Solid and Wireframe do not."""
+    if shading == "AUTO":
+        eevee = context.scene.render.engine.startswith("BLENDER_EEVEE")
+        shading = "RENDERED" if eevee else "MATERIAL"
+    for view in _views(context, everywhere):
+        view.shading.type = shading
+        for name in ("world", "lights"):
+            setattr(view.shading, f"use_scene_{name}", True)
+            setattr(view.shading, f"use_scene_{name}_render", True)
 
 
 class SKYLIGHT_OT_before_after(operator.Thin, bpy.types.Operator):
@@ -96,11 +105,18 @@ Shaders are not compiled again"""
     def run(self, context):
         from ..scene.materials import rgb_comparison
 
-        rgb = not rgb_comparison.shown_now() if self.show == "TOGGLE" else self.show == "BEFORE"
-        count = rgb_comparison.show(rgb)
-        if rgb:
-            return [("WARNING", f"{count} material(s) show RGB × RGB, also in renders")]
-        return [("INFO", f"{count} material(s) show spectral colors")]
+        wanted = self.show
+        if wanted == "TOGGLE":
+            wanted = "AFTER" if rgb_comparison.shown_now() else "BEFORE"
+        what, name = {
+            "BEFORE": (rgb_comparison.RGB, "RGB × RGB"),
+            "AFTER": (rgb_comparison.SPECTRAL, "spectral colors"),
+            "DIFFERENCE": (rgb_comparison.DIFFERENCE, "the difference eight times"),
+        }[wanted]
+        count = rgb_comparison.show(what)
+        if what == rgb_comparison.SPECTRAL:
+            return [("INFO", f"{count} material(s) show {name}")]
+        return [("WARNING", f"{count} material(s) show {name}, also in renders")]
 
 
 class SKYLIGHT_OT_neutral_white(operator.Thin, bpy.types.Operator):
@@ -133,6 +149,24 @@ Scene-linear values, as in EXR files, do not change"""
         return [("INFO", "White Balance of the view restored")]
 
 
+class SKYLIGHT_OT_view_as(operator.Thin, bpy.types.Operator):
+    """Set the view transform: Standard shows colors as computed, to judge them. A picture has the \
+transform, look and curves that the scene had before"""
+
+    bl_idname = "skylight.view_as"
+    bl_label = "View As"
+
+    judge: bpy.props.BoolProperty(
+        name="Judge Colors", description="Show colors as computed. Off: as before", default=True
+    )
+
+    def run(self, context):
+        from ..scene.world import view_transform
+
+        view_transform.judge(context.scene, self.judge)
+        return [("INFO", view_transform.transform_line(context.scene)[1].capitalize())]
+
+
 def _level(context):
     from ..scene.world import light_group
 
@@ -140,4 +174,9 @@ def _level(context):
     return None if record is None else record.level or None
 
 
-CLASSES = (SKYLIGHT_OT_show_in_viewport, SKYLIGHT_OT_before_after, SKYLIGHT_OT_neutral_white)
+CLASSES = (
+    SKYLIGHT_OT_show_in_viewport,
+    SKYLIGHT_OT_before_after,
+    SKYLIGHT_OT_view_as,
+    SKYLIGHT_OT_neutral_white,
+)

@@ -89,6 +89,8 @@ class Recorder:
     def __getattr__(self, name):
         if name in ("row", "column", "box", "split"):
             return lambda **options: Recorder(self.drawn)
+        if name == "panel":
+            return lambda *names, **options: (Recorder(self.drawn), Recorder(self.drawn))
 
         def draw(*arguments, **options):
             self.drawn.append((name, arguments, options))

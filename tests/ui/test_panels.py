@@ -1,14 +1,17 @@
 """What the panels show, drawn into a layout that records."""
 
 import json
+import math
 import pathlib
 
 import bpy
+import numpy as np
 import pytest
 
-from spectral_skylight.addon import tags
+from spectral_skylight.addon import registration, tags
 from spectral_skylight.addon.scene.materials import spectral_material
-from spectral_skylight.addon.ui import material_panel, panels, result
+from spectral_skylight.addon.scene.world import hdri
+from spectral_skylight.addon.ui import all_materials, material_panel, panels, sky_box
 from spectral_skylight.tests.ui.stage import drawn, select
 
 pytestmark = pytest.mark.blender
@@ -29,41 +32,75 @@ def edit(**values):
 
 
 def test_the_sky_and_what_of_it_is_missing(applied):
-    sky, numbers = drawn(panels.SKYLIGHT_PT_sky), drawn(panels.SKYLIGHT_PT_numbers)
+    sky, numbers = drawn(panels.SKYLIGHT_PT_main), drawn(panels.SKYLIGHT_PT_numbers)
     assert "Sky: sky.exr" in sky.text
-    assert "no light is baked yet" in drawn(panels.SKYLIGHT_PT_result).text
+    assert "No light is baked yet" in drawn(panels.SKYLIGHT_PT_main).text
     applied.world.skylight.occlusion = "open"
     bpy.ops.skylight.update()
-    assert "open sky: no shadows but the sun's yet" in drawn(panels.SKYLIGHT_PT_result).text
+    assert "Open sky: no shadows but the sun's yet" in drawn(panels.SKYLIGHT_PT_main).text
     assert "the sun at" in drawn(panels.SKYLIGHT_PT_light).text
     assert "Irradiance of degree" in numbers.text
     assert "largest error" in numbers.text
-    assert "Press Update" not in sky.text
-    assert sky.operators == ["skylight.load_sky"]
+    assert "has changed" not in sky.text
+    assert sky.operators[0] == "skylight.load_sky" and "skylight.update" not in sky.operators
 
 
-def test_three_steps_from_top_to_bottom():
-    steps = [p for p in panels.CLASSES if getattr(p, "bl_parent_id", "") == "SKYLIGHT_PT_main"]
-    assert [step.bl_label for step in steps] == ["Sky", "Materials", "Result"]
-    places = [panel.bl_order for panel in panels.CLASSES[1:]]
-    assert places == sorted(places)
+def test_three_boxes_then_closed_panels_and_the_way_back():
+    """All that a scene needs is one panel; nothing else is open by itself."""
+    found = [cls for cls in registration.CLASSES if issubclass(cls, bpy.types.Panel)]
+    below = [cls for cls in found if getattr(cls, "bl_parent_id", "") == "SKYLIGHT_PT_main"]
+    below.sort(key=lambda cls: cls.bl_order)
+    *closed, last = below
+    assert [cls.bl_label for cls in closed] == [
+        *("Selected Material", "Library of Reflectances", "All Materials", "Batch", "Advanced")
+    ]
+    assert all("DEFAULT_CLOSED" in cls.bl_options for cls in closed)
+    assert last is panels.SKYLIGHT_PT_last and "HIDE_HEADER" in last.bl_options
+    within = [cls for cls in found if getattr(cls, "bl_parent_id", "") == "SKYLIGHT_PT_advanced"]
+    assert len(within) == 5 and all("DEFAULT_CLOSED" in cls.bl_options for cls in within)
+
+
+def test_before_a_sky_is_chosen_only_its_box_is_lit(scene):
+    scene.world = bpy.data.worlds.new("Grey")
+    assert not sky_box.is_chosen(scene.world)
+    assert drawn(panels.SKYLIGHT_PT_main).operators[:2] == [
+        "skylight.load_sky",
+        "skylight.use_world",
+    ]
+    bpy.ops.skylight.use_world()
+    assert sky_box.is_chosen(scene.world)
+    assert "skylight.use_world" not in drawn(panels.SKYLIGHT_PT_main).operators
+
+
+def test_the_sky_is_turned_and_made_brighter_in_the_panel(scene):
+    numbers, nodes = scene.world.skylight, scene.world.node_tree.nodes
+    numbers.exposure = 1.0
+    assert nodes["Background"].inputs["Strength"].default_value == pytest.approx(2.0)
+    towards = hdri.in_world(hdri.sky_of(scene.world), np.array([1.0, 0.0, 0.0]))
+    assert towards == pytest.approx([1.0, 0.0, 0.0])
+    numbers.rotation = math.radians(90)
+    assert numbers.rotation == pytest.approx(math.radians(90))
+    towards = hdri.in_world(hdri.sky_of(scene.world), np.array([1.0, 0.0, 0.0]))
+    assert towards == pytest.approx([0.0, 1.0, 0.0], abs=1e-6)  # counterclockwise from above
 
 
 def test_a_world_without_an_HDRI(scene):
     scene.world = bpy.data.worlds.new("Grey")
-    text = drawn(panels.SKYLIGHT_PT_sky).text
+    bpy.ops.skylight.use_world()
+    text = drawn(panels.SKYLIGHT_PT_main).text
     assert "Sky: Grey" in text
     assert "baked once, for it" in text
     assert "open sky" not in text
     scene.world = None
-    assert "has no World" in drawn(panels.SKYLIGHT_PT_sky).text
+    assert "skylight.load_sky" in drawn(panels.SKYLIGHT_PT_main).operators
     assert not panels.SKYLIGHT_PT_numbers.poll(bpy.context)
 
 
 def test_another_HDRI_asks_for_an_update(applied):
     image = applied.world.node_tree.nodes["Environment Texture"].image
     applied.world.node_tree.nodes["Environment Texture"].image = image.copy()
-    assert "Press Update" in drawn(panels.SKYLIGHT_PT_sky).text
+    shown = drawn(panels.SKYLIGHT_PT_main)
+    assert "The sky has changed" in shown.text and "skylight.update" in shown.operators
 
 
 PANELS_OF_A_MATERIAL = [panels.SKYLIGHT_PT_material, material_panel.SKYLIGHT_PT_material_properties]
@@ -129,7 +166,7 @@ def test_a_linked_material_says_so(scene, tmp_path):
 def test_the_table_of_all(applied, monkeypatch):
     assert "Wall: brick" in drawn(panels.SKYLIGHT_PT_all).text
     bpy.data.materials["Wall"].copy()  # a copy is spectral too
-    monkeypatch.setattr(result, "ROWS", 1)
+    monkeypatch.setattr(all_materials, "ROWS", 1)
     assert "and 1 more" in drawn(panels.SKYLIGHT_PT_all).text
     bpy.ops.skylight.remove_all()
     assert "No material is spectral yet" in drawn(panels.SKYLIGHT_PT_all).text

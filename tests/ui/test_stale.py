@@ -25,7 +25,11 @@ def principled(name="Wall"):
 
 def problems():
     bpy.context.view_layer.update()  # as Blender does before it draws
-    return drawn(panels.SKYLIGHT_PT_materials).text
+    """What the panel says in red."""
+    found = drawn(panels.SKYLIGHT_PT_main).drawn
+    icons = "ERROR", "BLANK1"  # of a sentence's first line, and of the others
+    said = [told for kind, _, told in found if kind == "label" and told.get("icon") in icons]
+    return " ".join(told["text"] for told in said)
 
 
 def test_a_base_colour_changed_later(watched):
@@ -121,13 +125,13 @@ def test_bakes_that_are_missing_or_old_are_listed(watched, brick):
     assert out_of_date.unbaked(watched) == []  # no bake is asked for
     select("Wall")
     bpy.ops.skylight.bake(rays=32, selected=True)
-    assert "Not baked, or changed since: Roof" in problems()
+    assert "Old light: Roof" in problems()
     bpy.ops.skylight.bake(rays=32)
     assert problems() == ""
     bpy.data.objects["Wall"].rotation_euler.x = 0.5
-    assert "Objects have changed. Press Update to find outdated bakes" in problems()
+    assert "Objects have changed" in problems()
     bpy.ops.skylight.update()
-    assert "Not baked, or changed since: Wall" in problems()
+    assert "Old light: Wall" in problems()
     bpy.ops.skylight.bake(rays=32)
     assert problems() == ""
 

@@ -60,11 +60,19 @@ def test_before_and_after_swap_values_alone(scene, brick):
         rgb_of(brick, "brick"), abs=5e-3
     )  # steps of 10 nm, interpolated otherwise
     assert inputs("Wall")["surface", "Sun"] == pytest.approx(np.diag(rgb))
-    assert "Viewport and renders show RGB × RGB" in drawn(panels.SKYLIGHT_PT_result).text
+    assert "Renders show this too" in drawn(panels.SKYLIGHT_PT_main).text
     assert [len(bpy.data.materials[name].node_tree.links) for name in ours] == links
-    bpy.ops.skylight.before_after()
+    before = inputs("Wall")
+    bpy.ops.skylight.before_after(show="DIFFERENCE")
+    assert "Difference" in str(drawn(panels.SKYLIGHT_PT_main))
+    for key, value in inputs("Wall").items():
+        times = np.array(before[key]) + 8 * np.subtract(ours["Wall"][key], before[key])
+        assert value == pytest.approx(times, rel=1e-5, abs=1e-6), key
+    bpy.ops.skylight.before_after(show="BEFORE")
+    assert inputs("Wall") == {k: pytest.approx(v, rel=1e-5, abs=1e-6) for k, v in before.items()}
+    bpy.ops.skylight.before_after(show="AFTER")
     assert {name: inputs(name) for name in ours} == ours
-    assert "Viewport and renders show" not in drawn(panels.SKYLIGHT_PT_result).text
+    assert "Renders show" not in drawn(panels.SKYLIGHT_PT_main).text
     # Whatever makes materials spectral shows ours again, and what leaves takes all along.
     bpy.ops.skylight.before_after(show="BEFORE")
     bpy.ops.skylight.before_after(show="BEFORE")  # twice is once
@@ -76,6 +84,17 @@ def test_before_and_after_swap_values_alone(scene, brick):
     assert copy in rgb_comparison.shown_now()
     bpy.ops.skylight.remove_all()
     assert not any(tags.COMPARISON in m or tags.SHOWS_RGB in m for m in bpy.data.materials)
+
+
+def test_judging_colors_and_back_to_the_picture(scene):
+    view = scene.view_settings
+    view.view_transform, view.look = "AgX", "AgX - Punchy"
+    bpy.ops.skylight.view_as()
+    bpy.ops.skylight.view_as()  # twice is once
+    assert (view.view_transform, view.look) == ("Standard", "None")
+    bpy.ops.skylight.view_as(judge=False)
+    assert (view.view_transform, view.look) == ("AgX", "AgX - Punchy")
+    assert tags.PICTURE not in scene
 
 
 def rgb_of(path, column):
@@ -125,7 +144,7 @@ def test_the_view_transform_is_explained(scene):
     assert {name.strip("'") for name in names} <= set(view_transform.TRANSFORMS)
     scene.view_settings.view_transform = "Standard"
     assert view_transform.transform_line(scene)[0]
-    assert "Standard: shows colors as computed" in drawn(panels.SKYLIGHT_PT_result).text
+    assert "Standard: shows colors as computed" in drawn(panels.SKYLIGHT_PT_advanced).text
     scene.view_settings.view_transform = "AgX"
     fit, line = view_transform.transform_line(scene)
     assert not fit and line.startswith("AgX: ")

@@ -1,8 +1,9 @@
 """RGB times RGB beside our numbers, for a look at what changes: one shader with other values.
 
-Each material keeps for sockets of ours the value that multiplying RGB by RGB would give; showing
-swaps them with ours. No tree changes, so nothing is compiled, and both ways are blend data: saved,
-undone and copied with the material. Whatever makes materials spectral shows our numbers again.
+Each material keeps for sockets of ours the value that multiplying RGB by RGB would give; while that
+or the difference shows, it keeps ours. No tree changes, so nothing is compiled, and both ways are
+blend data: saved, undone and copied with the material. Whatever makes materials spectral shows our
+numbers again.
 """
 
 from __future__ import annotations
@@ -20,6 +21,12 @@ from ... import tags
 from ...transfer.prediction import rgb_albedo
 from ..blend_data import kept
 from ..lights.lighting import Lights
+
+SPECTRAL, RGB, DIFFERENCE = 0, 1, 2
+"""What materials show: our numbers, RGB times RGB, or where ours differ from it, exaggerated."""
+
+TIMES = 8.0
+"""How many times the difference is shown. Sockets are linear in the picture: so is this."""
 
 Values = Mapping[tuple[str, str], Any]
 """By a node's role and an input's name, the value (3 or 4)."""
@@ -56,23 +63,28 @@ def keep(material: bpy.types.Material, values: Values) -> None:
     material[tags.COMPARISON] = json.dumps(given)
 
 
-def show(rgb: bool) -> int:
-    """Let the file's materials show RGB times RGB, or our numbers; count what changed.
+def show(what: int) -> int:
+    """Let the file's materials show `SPECTRAL`, `RGB` or `DIFFERENCE`; count what changed.
 
     Linked materials stay as they are.
     """
     found = [
         m
         for m in bpy.data.materials
-        if tags.COMPARISON in m and (tags.SHOWS_RGB in m) != rgb and m.is_editable
+        if tags.COMPARISON in m and shown_by(m) != what and m.is_editable
     ]
     for material in found:
-        _swap(material)
+        _change(material, what)
     return len(found)
 
 
+def shown_by(material: bpy.types.Material) -> int:
+    """What a material shows now."""
+    return int(material.get(tags.SHOWS_RGB, SPECTRAL))
+
+
 def shown_now() -> list[bpy.types.Material]:
-    """The materials of the file that show RGB times RGB now."""
+    """The materials of the file that do not show our numbers now."""
     return [material for material in bpy.data.materials if tags.SHOWS_RGB in material]
 
 
@@ -87,7 +99,8 @@ def matrices(
     rows = [given.get(f"surface/{row}", []) for row in spectral_matrix.ROWS]
     if not all(len(row) == 3 for row in rows):
         return shown, None
-    return (rows, shown) if tags.SHOWS_RGB in material else (shown, rows)
+    ours, rgb = _both(np.array(shown), np.array(rows), shown_by(material))
+    return ours.tolist(), rgb.tolist()
 
 
 def _kept(material: bpy.types.Material) -> dict[str, list[float]]:
@@ -95,18 +108,28 @@ def _kept(material: bpy.types.Material) -> dict[str, list[float]]:
     return {key: value for key, value in found.items() if kept.are_numbers(value)}
 
 
-def _swap(material: bpy.types.Material) -> None:
-    given = _kept(material)
+def _both(now: NDArray, other: NDArray, shows: int) -> tuple[NDArray, NDArray]:
+    """Our value and that of RGB times RGB, from what a socket has now and what is kept of it."""
+    if shows == SPECTRAL:
+        return now, other
+    return other, now if shows == RGB else (TIMES * other - now) / (TIMES - 1.0)
+
+
+def _change(material: bpy.types.Material, what: int) -> None:
+    given, before = _kept(material), shown_by(material)
     for role, socket in _sockets(material):
         key = f"{role}/{socket.name}"
-        if key in given and len(given[key]) == len(now := list(socket.default_value)):
-            socket.default_value = given[key]
-            given[key] = now
+        now = list(socket.default_value)
+        if key in given and len(given[key]) == len(now):
+            ours, rgb = _both(np.array(now), np.array(given[key]), before)
+            shown = {SPECTRAL: ours, RGB: rgb, DIFFERENCE: rgb + TIMES * (ours - rgb)}
+            socket.default_value = shown[what]
+            given[key] = (rgb if what == SPECTRAL else ours).tolist()
     material[tags.COMPARISON] = json.dumps(given)
-    if tags.SHOWS_RGB in material:
+    if what == SPECTRAL:
         del material[tags.SHOWS_RGB]
     else:
-        material[tags.SHOWS_RGB] = True
+        material[tags.SHOWS_RGB] = what
 
 
 def _sockets(material: bpy.types.Material) -> Iterator[tuple[str, bpy.types.NodeSocket]]:

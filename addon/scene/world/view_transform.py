@@ -20,6 +20,9 @@ from . import settings as world_settings
 
 WHITE = ("use_white_balance", "white_balance_temperature", "white_balance_tint")
 
+PICTURE = ("view_transform", "look", "use_curve_mapping")
+"""What of a view makes a picture that is not fit to judge colors."""
+
 TRANSFORMS = {
     "Standard": (True, "shows colors as computed and clips what is brighter than the screen"),
     "Khronos PBR Neutral": (
@@ -53,6 +56,23 @@ def transform_line(scene: bpy.types.Scene) -> tuple[bool, str]:
     if scene.view_settings.use_curve_mapping:
         fit, does = False, f"{does}. The curves also change colors"
     return fit, f"{name}: {does}"
+
+
+def judge(scene: bpy.types.Scene, on: bool) -> None:
+    """Let a scene's view show colors as computed, or as it did before; Blender's own if it never
+    was another."""
+    view = scene.view_settings
+    fit, _ = transform_line(scene)
+    if on and not fit:
+        scene[tags.PICTURE] = {name: getattr(view, name) for name in PICTURE}
+        for name, value in zip(PICTURE, ("Standard", "None", False), strict=True):
+            setattr(view, name, value)
+    elif not on and fit:
+        before = scene[tags.PICTURE].to_dict() if tags.PICTURE in scene else {PICTURE[0]: "AgX"}
+        for name, value in before.items():
+            setattr(view, name, type(getattr(view, name))(value))
+        if tags.PICTURE in scene:
+            del scene[tags.PICTURE]
 
 
 def disabled_reason(scene: bpy.types.Scene, level: Sequence[float] | None) -> str:

@@ -1,0 +1,108 @@
+"""The third box of the panel: what is seen, how far the light is, and what RGB would get wrong."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+
+from ..choices import BAKED
+from ..grouping import some
+from . import follow, staleness_handlers
+from .panel_text import paragraph
+
+CLOSE = 0.5
+"""CIEDE2000 below which nobody sees a difference side by side."""
+
+
+def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """RGB or spectral, the light's state, and the view."""
+    box = layout.box()
+    _comparison(box, context)
+    light(box, context)
+    _view(box, context)
+
+
+def _comparison(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    from ..scene.materials import rgb_comparison
+
+    shown = max((rgb_comparison.shown_by(m) for m in rgb_comparison.shown_now()), default=0)
+    row = layout.row(align=True)
+    for show, text, state in (
+        ("BEFORE", "RGB", rgb_comparison.RGB),
+        ("AFTER", "Spectral", rgb_comparison.SPECTRAL),
+        ("DIFFERENCE", "Difference × 8", rgb_comparison.DIFFERENCE),
+    ):
+        part = row.row(align=True)
+        part.alert = state == shown != rgb_comparison.SPECTRAL
+        part.operator("skylight.before_after", text=text, depress=state == shown).show = show
+    row.operator("skylight.show_in_viewport", text="", icon="SHADING_RENDERED")
+    if shown:
+        row = layout.row()
+        row.alert = True
+        row.label(text="Renders show this too", icon="ERROR")
+    if line := gain(context):
+        paragraph(layout, context, line)
+
+
+def gain(context: bpy.types.Context) -> str:
+    """What RGB × RGB gets wrong under this sky, in one line; empty before anything is known."""
+    from ..scene import portraits
+
+    rows = [(rgb, name) for name, rgb, _ in portraits.expected() if math.isfinite(rgb)]
+    if not rows:
+        return ""
+    worst, name = max(rows)
+    if worst < CLOSE:
+        return f"RGB is close here, at most ΔE {worst:.1f}. It matters at low sun, or when measured"
+    return f"RGB is off by ΔE {sum(rgb for rgb, _ in rows) / len(rows):.1f}, {worst:.1f} on {name}"
+
+
+def light(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """How far the light is, and what is missing of it."""
+    from ..scene import out_of_date
+
+    if _progress(layout):
+        return
+    names = out_of_date.unbaked(context.scene)
+    if names or (staleness_handlers.moved() and _is_by_hand(context)):
+        row = layout.row(align=True)
+        text = f"Old light: {some(names, 'object')}" if names else "Objects have changed"
+        row.label(text=text, icon="ERROR")
+        row.operator("skylight.bake")
+        return
+    for sentence in filter(None, out_of_date.caption(context.scene).split("; ")):
+        paragraph(layout, context, sentence[0].upper() + sentence[1:], "LIGHT_SUN")
+
+
+def _progress(layout: bpy.types.UILayout) -> bool:
+    """A bar with a button that ends it; False where no light is being computed."""
+    current = follow.work()
+    if current is None and not follow.waiting():
+        for line in follow.lines():
+            layout.label(text=line, icon="INFO")
+        return False
+    row = layout.row(align=True)
+    if current is None:
+        row.progress(factor=0.0, text="All light: waiting for you to pause")
+    else:
+        left = f", {current.left:.0f} s left" if current.left >= 1.0 else ""
+        done = current.progress.done
+        row.progress(factor=done, text=f"All light: {100 * done:.0f} %{left}")
+    row.operator("skylight.stop_light", text="", icon="CANCEL")
+    return True
+
+
+def _view(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    from ..scene.world import view_transform
+
+    fit, _ = view_transform.transform_line(context.scene)
+    row = layout.row(align=True)
+    row.operator("skylight.view_as", text="Picture", depress=not fit).judge = False
+    row.operator("skylight.view_as", text="Judge Colors", depress=fit).judge = True
+
+
+def _is_by_hand(context: bpy.types.Context) -> bool:
+    """Whether materials show bakes that no one but a person makes."""
+    world = context.scene.world
+    return world is not None and world.skylight.occlusion == BAKED

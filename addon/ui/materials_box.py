@@ -1,0 +1,44 @@
+"""The second box of the panel: what the scene is made of."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import tags
+from ..grouping import grouped
+from . import panel_text, staleness_handlers
+
+ROWS = 3
+"""Reasons why materials need the person."""
+
+
+def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    """One click for all, how many are spectral, and what needs the person."""
+    box = layout.box()
+    column = box.column()
+    column.scale_y = 1.4
+    column.operator("skylight.make_spectral", icon="MATERIAL")
+    box.label(text=summary(context))
+    _changed(box, context)
+
+
+def summary(context: bpy.types.Context) -> str:
+    """How many materials are spectral, in one line."""
+    from ..scene import use_cases
+    from ..scene.materials import spectral_material
+    from ..transfer.assignment import ESTIMATED
+
+    names = [m[tags.MATERIAL].get("reflectance") for m in spectral_material.ours()]
+    if not names:
+        return "No material is spectral yet"
+    total = len(names) + len(use_cases.left_alone(context.scene))
+    guessed = names.count(ESTIMATED)
+    return f"{len(names)} of {total}: {len(names) - guessed} measured, {guessed} estimated"
+
+
+def _changed(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
+    found = [(m.name, staleness_handlers.stale(m)) for m in staleness_handlers.stale_materials()]
+    for line in grouped(found)[:ROWS]:
+        panel_text.paragraph(layout, context, line, "ERROR")
+    if found:
+        layout.label(text="Press Make Everything Spectral again")
