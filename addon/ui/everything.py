@@ -34,12 +34,12 @@ its base color. Materials left alone are listed with the reason. Press Esc to st
     def run(self, context):
         from ..scene import use_cases
 
-        done = super().run(context)
-        settings = properties.settings_of(context.scene.world)
-        if settings.shadows != BAKED or not use_cases.in_scene(context.scene):
-            return done
-        # A script waits for the light; in a window it comes between events, see `follow`.
-        return [*(("INFO", line) for line in run(use_cases.bake(context.scene, settings))), *done]
+        scene, found, lines = context.scene, run(self.work(context)), []
+        settings = properties.settings_of(scene.world)
+        if settings.shadows == BAKED and use_cases.in_scene(scene):
+            # A script waits for the light; in a window it comes between events, see `follow`.
+            lines = run(use_cases.bake(scene, settings))
+        return [*(("INFO", line) for line in lines), *self.finish(context, found)]
 
     def work(self, context):
         from ..scene import use_cases

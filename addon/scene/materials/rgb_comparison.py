@@ -119,8 +119,7 @@ def _change(material: bpy.types.Material, what: int) -> None:
     given, before = _kept(material), shown_by(material)
     for role, socket in _sockets(material):
         key = f"{role}/{socket.name}"
-        now = list(socket.default_value)
-        if key in given and len(given[key]) == len(now):
+        if key in given and len(given[key]) == len(now := list(socket.default_value)):
             ours, rgb = _both(np.array(now), np.array(given[key]), before)
             shown = {SPECTRAL: ours, RGB: rgb, DIFFERENCE: rgb + TIMES * (ours - rgb)}
             socket.default_value = shown[what]
