@@ -72,8 +72,7 @@ def _write_material(plan: Plan, one: MaterialPlan, group: bpy.types.NodeTree) ->
 def _finish(plan: Plan, fresh: list[bpy.types.Material]) -> None:
     """Let everything else under the World follow its light, and keep what was found."""
     world, scenes = plan.world, lighting.scenes_of(plan.world)
-    lamps = plan.lights.lamps
-    warnings = _follow(plan, fresh) + list(lamps.left_out if lamps is not None else ())
+    warnings = _follow(plan, fresh) + _of_lamps(plan)
     warnings += lighting.refresh(world)
     warnings += _not_shown(fresh) + _not_lit(plan)
     warnings += glass_and_metal.refresh(scenes, plan.light, plan.choice.transfer)
@@ -113,6 +112,19 @@ def _follow(plan: Plan, fresh: list[bpy.types.Material]) -> list[str]:
             values = base_color.values(lights, texture, given.values)
             spectral_material.set_texture(material, values)
     return lines
+
+
+def _of_lamps(plan: Plan) -> list[str]:
+    """Lines on what of lamps is not carried over."""
+    lamps = plan.lights.lamps
+    if lamps is None:
+        return []
+    linking = [(one.lamp.name, one.lamp.light_linking) for one in lamps.shining]
+    linked = [name for name, own in linking if own.receiver_collection or own.blocker_collection]
+    if plan.lights.occlusion != BAKED or not linked:
+        return list(lamps.left_out)
+    why = "its light linking holds for direct light; what surfaces reflect of it goes everywhere"
+    return [*lamps.left_out, *grouped(((name, why) for name in linked), "lamp")]
 
 
 def _not_shown(fresh: list[bpy.types.Material]) -> list[str]:

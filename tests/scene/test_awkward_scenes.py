@@ -298,7 +298,7 @@ def links():
             for link in material.node_tree.links
         )
         for material in bpy.data.materials
-        if material.node_tree is not None
+        if material.node_tree is not None and (bpy.app.version >= (5, 0, 0) or material.use_nodes)
     }
 
 

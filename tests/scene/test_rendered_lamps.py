@@ -208,6 +208,47 @@ def test_lamps_keep_their_linking(scene):
     assert {c.name for c in bpy.data.collections} == {"Only", "But", "Nothing"}
 
 
+def test_what_of_lamps_cannot_be_carried_is_named(scene):
+    """Linking of reflected light, and view layers that have lamps of their own."""
+    only = lamp("Only", scene.collection)
+    only.light_linking.receiver_collection = collection("Some")
+    bpy.data.collections["Some"].objects.link(bpy.data.objects["Floor"])
+    make(scene, occlusion="baked")
+    (line,) = light_group.record_of(scene.world).warnings
+    assert line.startswith("Only: its light linking holds for direct light")
+    make(scene)
+    assert not light_group.record_of(scene.world).warnings
+    night = collection("Night", scene.collection)
+    lamp("Street", night)
+    scene.view_layers.new("Other").layer_collection.children["Night"].exclude = True
+    make(scene)
+    (line,) = light_group.record_of(scene.world).warnings
+    assert line == "Street: lights spectral materials in all view layers"
+    scene.view_layers["Other"].use = False
+    make(scene)
+    assert not light_group.record_of(scene.world).warnings
+
+
+def test_an_instance_loses_its_light_only_to_what_scatters_it(scene):
+    """Linking goes by the Empty: panes inside take nothing, plaster takes all and is named."""
+    inside = collection("House")
+    house(scene, bpy.data.materials["Floor"], principled("Pane", Transmission_Weight=1.0), None)
+    walls = bpy.data.objects["House"]
+    walls.data.materials[2] = bpy.data.materials["Pane"]
+    scene.collection.objects.unlink(walls)
+    inside.objects.link(walls)
+    instance(inside, scene.collection)
+    lamp("Lamp", scene.collection)
+    make(scene)
+    assert {o.name for o in light_linking.find(scene).objects} == {"Floor", "Instance"}
+    assert not light_group.record_of(scene.world).warnings
+    walls.data.materials[2] = principled("Plaster")
+    make(scene)
+    assert {o.name for o in light_linking.find(scene).objects} == {"Floor"}
+    (line,) = light_group.record_of(scene.world).warnings
+    assert line.startswith("Instance: no sun and no lamps") and "Plaster" in line
+
+
 def test_lamp_nodes_count_as_cycles_has_them(scene):
     """Color, black body and strength of an Emission; what else there is, is named."""
 

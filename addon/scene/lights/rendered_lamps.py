@@ -24,13 +24,14 @@ class RenderedLamp:
 
     ``through``: the Empties whose collections it is instanced by, the outermost first;
     ``matrix`` (4, 4): where it stands; ``fixed``: where a modifier or particles put it, which
-    nothing of ours can follow.
+    nothing of ours can follow; ``everywhere``: not in some rendered view layers alone.
     """
 
     lamp: bpy.types.Object
     through: tuple[bpy.types.Object, ...]
     matrix: NDArray[np.float64]
     fixed: bool = False
+    everywhere: bool = True
 
     @property
     def name(self) -> str:
@@ -44,8 +45,8 @@ def of_scene(scene: bpy.types.Scene) -> list[RenderedLamp]:
     Of the active scene alone is known what modifiers and particles instance.
     """
     found = [
-        RenderedLamp(lamp, through, np.array(matrix))
-        for obj in _rendered(scene)
+        RenderedLamp(lamp, through, np.array(matrix), everywhere=everywhere)
+        for obj, everywhere in _rendered(scene).items()
         for lamp, through, matrix in _lamps_of(obj, obj.matrix_world, ())
     ]
     if scene == bpy.context.scene:
@@ -65,11 +66,15 @@ def followed(twin: bpy.types.Object) -> bpy.types.Object | None:
     return next((c.target for c in twin.constraints if c.type == "COPY_TRANSFORMS"), None)
 
 
-def _rendered(scene: bpy.types.Scene) -> list[bpy.types.Object]:
-    """The objects that a render shows, in the order of the scene."""
+def _rendered(scene: bpy.types.Scene) -> dict[bpy.types.Object, bool]:
+    """The objects that renders show, in the order of the scene, and whether all view layers do."""
     layers = [layer for layer in scene.view_layers if layer.use] or list(scene.view_layers)
-    shown = {obj for layer in layers for obj in _in_layer(layer.layer_collection)}
-    return [obj for obj in scene.objects if obj in shown and not obj.hide_render]
+    shown = [set(_in_layer(layer.layer_collection)) for layer in layers]
+    return {
+        obj: all(obj in each for each in shown)
+        for obj in scene.objects
+        if not obj.hide_render and any(obj in each for each in shown)
+    }
 
 
 def _in_layer(within: bpy.types.LayerCollection) -> Iterator[bpy.types.Object]:

@@ -68,6 +68,8 @@ def find(scene: bpy.types.Scene, transfer: Transfer, rho: NDArray[np.float64]) -
         own = _colour(light)
         if nodes.left_out:
             left_out.append((one.lamp.name, f"shines without its nodes: {nodes.left_out}"))
+        if not one.everywhere:
+            left_out.append((one.lamp.name, "lights spectral materials in all view layers"))
         given: str | NDArray[np.float64] = kept.text(light, tags.LAMP_SPECTRUM)
         if not given and nodes.kelvin and np.ptp(own) < 1e-6 * own.max():
             given = f"{nodes.kelvin:g}K"
