@@ -28,15 +28,14 @@ def frames(normals: NDArray) -> NDArray[np.float32]:
 
 
 @lru_cache(maxsize=16)
-def pattern(rays: int, part: int = 0, parts: int = 1) -> NDArray[np.float32]:
-    """Unit vectors (rays, 3) about z as dense as the cosine: some of ``parts * rays``.
+def pattern(rays: int) -> NDArray[np.float32]:
+    """Unit vectors (rays, 3) about z as dense as the cosine.
 
-    A sunflower's (H. Vogel 1979, DOI 10.1016/0025-5564(79)90080-4), of which every ``parts``-th
-    from ``part`` on is a sparser one. Every point has the same, so that neighbours err alike, and
-    light shows no grain.
+    A sunflower's (H. Vogel 1979, DOI 10.1016/0025-5564(79)90080-4). Every point has the same, so
+    that neighbours err alike, and light shows no grain.
     """
-    index = np.arange(part, rays * parts, parts) + 0.5
-    disc = np.sqrt(index / (rays * parts)) * np.exp(1j * index * np.pi * (3.0 - 5.0**0.5))
+    index = np.arange(rays) + 0.5
+    disc = np.sqrt(index / rays) * np.exp(1j * index * np.pi * (3.0 - 5.0**0.5))
     z = np.sqrt(1.0 - np.abs(disc) ** 2)
     return np.stack([disc.real, disc.imag, z], axis=-1).astype(np.float32)
 
@@ -116,10 +115,10 @@ def sphere(panorama: NDArray, to_panorama: NDArray[np.float64]) -> NDArray[np.fl
 def open_light(sky: NDArray, normals: NDArray) -> NDArray[np.float64]:
     """Return the irradiance / pi (n, k) of a sphere (SKY, k) on open faces of normals (n, 3)."""
     ways, solid = centres()
-    light = sky * (solid / np.pi)[:, None]
-    step = 512
-    parts = [
-        np.maximum(normals[k : k + step] @ ways.T, 0.0) @ light
-        for k in range(0, len(normals), step)
-    ]
-    return np.concatenate(parts) if parts else np.zeros((0, sky.shape[1]))
+    light = (sky * (solid / np.pi)[:, None]).astype(np.float32)
+    across = np.ascontiguousarray(ways.T, np.float32)
+    result = np.empty((len(normals), sky.shape[1]))
+    for k in range(0, len(normals), 128):
+        cosines = normals[k : k + 128].astype(np.float32) @ across
+        result[k : k + 128] = np.maximum(cosines, 0.0, out=cosines) @ light
+    return result

@@ -217,15 +217,29 @@ def gather(hits: Hits, table: NDArray[np.float32], filters: NDArray | None = Non
     return result / np.float32(rays)
 
 
-def joined(parts: list[Hits]) -> Hits:
-    """Return hits of points one after another."""
-    if not parts:
-        return Hits(np.empty((0, 1), np.int32))
-    rays = parts[0].rows.shape[1]
-    before = np.cumsum([0, *(len(part.rows) * rays for part in parts)])
-    return Hits(
-        np.concatenate([part.rows for part in parts]),
-        np.concatenate([part.odd + at for part, at in zip(parts, before, strict=False)]),
-        np.concatenate([part.odd_rows for part in parts]),
-        np.concatenate([part.odd_filter for part in parts]),
-    )
+class Growing:
+    """Hits of n points that come one part after another, without a second copy of all."""
+
+    def __init__(self, points: int, rays: int) -> None:
+        self._rows = np.empty((points, rays), np.int32)
+        self._odd: list[Hits] = []
+        self._known = 0
+
+    def add(self, part: Hits) -> None:
+        """Take the hits of the next points."""
+        count, rays = part.rows.shape
+        self._rows[self._known : self._known + count] = part.rows
+        if len(part.odd):
+            odd = part.odd + self._known * rays
+            self._odd.append(Hits(part.rows[:0], odd, part.odd_rows, part.odd_filter))
+        self._known += count
+
+    @property
+    def hits(self) -> Hits:
+        """All of them."""
+        if not self._odd:
+            return Hits(self._rows)
+        names = ("odd", "odd_rows", "odd_filter")
+        return Hits(
+            self._rows, *(np.concatenate([getattr(p, name) for p in self._odd]) for name in names)
+        )

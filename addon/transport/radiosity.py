@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from . import directions
 from .cells import Matter
-from .hits import CHUNK, Space, gather, joined
+from .hits import CHUNK, Growing, Hits, Space, gather
 
 ENOUGH = 2e-4
 """Sweeps end when the last changes no cell by more than this part of the mean."""
@@ -72,7 +72,7 @@ class Radiosity:
         self.side = np.concatenate([np.ones(cells.patches), -np.ones(len(backs))])
         self.row = np.where(self.side > 0, self.patch, self.patch + cells.patches)
         """(r,), its row in the table."""
-        self.hits = joined([])
+        self.hits = Hits(np.empty((0, 1), np.int32))
         self.counts = np.ones((len(self.patch), STARTS), bool)
         """(r, STARTS), which places tell the side's light: not what is in or under something."""
         self.enclosed = np.zeros(len(self.patch), bool)
@@ -100,7 +100,7 @@ class Radiosity:
         ``alike``: in the same directions from all of one normal, so that neighbours err alike and
         differ by their light alone; else turned at random, so that errors cancel.
         """
-        parts = []
+        found = Growing(len(self.patch), rays)
         rng = np.random.default_rng(1)
         # Which direction starts where is no pattern, and no two patches have the same turn.
         pattern = directions.pattern(rays)[rng.permutation(rays)]
@@ -119,9 +119,9 @@ class Radiosity:
             ways = np.einsum("nrk,nrkx->nrx", turned, frames[:, turn])
             hits = self.space.met(starts[:, turn], ways)
             hits.rows[~self.counts[part][:, turn]] = self.space.lost
-            parts.append(hits)
+            found.add(hits)
             yield min(1.0, (first + step) / len(self.patch))
-        self.hits = joined(parts)
+        self.hits = found.hits
         beyond = (self.hits.rows >= self.space.sky) & (self.hits.rows < self.space.lost)
         # Of a patch that is partly in something too few rays are left to say so.
         self.enclosed = ~beyond.any(axis=1) & self.counts.all(axis=1)

@@ -11,7 +11,7 @@ import pytest
 from spectral_skylight.addon.transport import directions, rays
 from spectral_skylight.addon.transport.bands import COUNT
 from spectral_skylight.addon.transport.cells import ANGLES, Cells, Matter, Surfaces, levels_for
-from spectral_skylight.addon.transport.hits import Space, gather, joined
+from spectral_skylight.addon.transport.hits import Growing, Space, gather
 from spectral_skylight.addon.transport.radiosity import Radiosity
 
 pytestmark = pytest.mark.slow
@@ -66,7 +66,10 @@ def test_a_hundred_thousand_points(benchmark, slow):
             pass
         between = time.process_time()
         looked = radiosity.space.look(places, normals, directions.pattern(256))
-        hits = joined([part for _, part in looked])
+        found = Growing(count, 256)
+        for _, part in looked:
+            found.add(part)
+        hits = found.hits
         cast = time.process_time()
         found = light(radiosity, hits)
         seconds["relit"] = (time.process_time() - cast) * POINTS / count

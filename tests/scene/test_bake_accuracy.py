@@ -79,8 +79,12 @@ class Panorama(Light):
         c, s = math.cos(turn), math.sin(turn)
         self.rgb = directions.sphere(upper, np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]]))
 
-    def colours(self, name):
+    @property
+    def channels(self):
         return self.rgb
+
+    def mix(self, name):
+        return np.eye(3)
 
 
 def received_light(objects, keep=lambda place, normal: True, count=100):

@@ -34,8 +34,8 @@ class Walls(Light):
         found.reflectance[:] = np.array([REFLECTED.get(name, 0.0) for name in names])[:, None]
         return found
 
-    def colours(self, name):
-        return super().colours(name) * 0.0  # what has bounced alone
+    def mix(self, name):
+        return super().mix(name) * 0.0  # what has bounced alone
 
 
 def shown(name, places):

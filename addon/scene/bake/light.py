@@ -38,9 +38,14 @@ class Light:
         found.transmittance[:] = 1.0
         return found
 
-    def colours(self, name: str) -> NDArray[np.float64]:
-        """The colours (SKY, 3) that a material has in the light of each of the sphere's cells."""
-        return np.repeat(_upper()[:, None], 3, axis=1)
+    @property
+    def channels(self) -> NDArray[np.float64]:
+        """What the sphere's cells have of each channel, (SKY, k), k up to 4."""
+        return _upper()[:, None]
+
+    def mix(self, name: str) -> NDArray[np.float64]:
+        """The colour (3, k) that a material has in the light of each channel."""
+        return np.ones((3, 1))
 
     def matrix(self, name: str) -> NDArray[np.float64]:
         """From light in bands to a material's colour, (3, 16)."""
@@ -48,7 +53,9 @@ class Light:
 
     def key(self, names: Sequence[str]) -> bytes:
         """What tells this light on materials of these full names from another."""
-        return pickle.dumps((self.sky, list(self.lamps), self.matter(names)))
+        does = self.matter(names)
+        mixes = [self.mix(name) for name in names]
+        return pickle.dumps((self.sky, self.channels, list(self.lamps), does, mixes))
 
     @property
     def _transfer(self) -> Transfer:
@@ -78,9 +85,14 @@ class SceneLight(Light):
         self._known = dict(zip(names, optics, strict=True))
         return found
 
-    def colours(self, name: str) -> NDArray[np.float64]:
+    @property
+    def channels(self) -> NDArray[np.float64]:
         """As a `Light`'s."""
-        return self.sources.colours(self._known[name].reflectance)
+        return self.sources.channels
+
+    def mix(self, name: str) -> NDArray[np.float64]:
+        """As a `Light`'s."""
+        return self.sources.mix(self._known[name].reflectance)
 
     def matrix(self, name: str) -> NDArray[np.float64]:
         """As a `Light`'s."""

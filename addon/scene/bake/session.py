@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Generator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import bpy
 import numpy as np
@@ -17,11 +16,11 @@ from numpy.typing import NDArray
 
 from ....node_groups import baked_light, modifiers
 from ...progress import Progress
-from ...transport import directions, rays
 from ...transport.cells import Cells, levels_for
 from ...transport.hits import Space
 from ...transport.radiosity import Radiosity
-from . import geometry, layout, storage, surroundings
+from . import geometry, layout, passes, storage, surroundings
+from .collected import Collected, Shading
 from .light import Light
 from .receivers import Points, Receivers, Target, filled
 
@@ -30,12 +29,6 @@ PATCHES = 20_000, 60_000
 
 SENT = 64, 128
 """Rays from each patch, at first and at last."""
-
-FIRST = 64
-"""Rays of the first pass."""
-
-BUDGET = 68e6, 4e6
-"""Rays from points in all, with and without `embreex`: some seconds."""
 
 
 @dataclass
@@ -47,9 +40,14 @@ class _Session:
     """(3,), to which the geometry's places are relative."""
     materials: list[str]
     radiosity: Radiosity
-    receivers: Receivers
+    collected: Collected
     light: bytes = b""
     """`Light.key` of the one that it was lit by last."""
+
+    @property
+    def names(self) -> set[str]:
+        """Of its objects."""
+        return {target.name for target in self.collected.receivers.targets}
 
 
 _last: list[_Session] = []
@@ -68,7 +66,7 @@ def baking(
     for obj, bake in zip(objects, kept, strict=True):
         modifiers.set_inputs(storage.modifier_of(obj), Faces=0, Near=0.0, Back=False)
         storage.write_levels(bake, np.empty(0), np.empty(0))
-    whole: list[bpy.types.Object] = []
+    laid_out: set[str] = set()
     try:
         yield Progress(0.0, "geometry")
         lines, plans = layout.begin(list(zip(objects, kept, strict=True)))
@@ -92,7 +90,7 @@ def baking(
         own = set(objects)
         others = [obj for obj in bpy.data.objects if obj not in own and storage.is_lit(obj)]
         targets += _kept_targets(others, around)
-        whole = [target.obj for target in targets]
+        laid_out = {plan.obj.name for plan in plans}
         finer = layout.finer(surfaces, levels, bend, tolerance, PATCHES[1])
         del coarse, space
         space = Space(Cells.of(surfaces, finer, layout.SMALL * around.size), matter, slow)
@@ -100,24 +98,23 @@ def baking(
         for done in radiosity.cast(SENT[1]):
             yield Progress(0.3 + 0.3 * done, "light between surfaces")
         receivers = Receivers(targets, around.materials, space)
-        session = _Session(0, around.origin, around.materials, radiosity, receivers)
-        solved = _solve(session, light)
-        total = _rays(len(receivers), slow) if count is None else count
-        cast = 0
-        for pattern in _passes(total):
-            for done in receivers.cast(space, pattern):
-                share = (cast + done * len(pattern)) / total
-                yield Progress(0.6 + 0.4 * share, f"{len(receivers):,} points")
-            _write(session, light, solved)
-            if not cast:
-                surroundings.remember({plan.obj.name_full: plan.bake for plan in plans}, found)
-                yield Progress(0.6 + 0.4 * len(pattern) / total, "a first light")
-            cast += len(pattern)
-        session.key = _key()
+        collected = Collected(receivers, space)
+        session = _Session(0, around.origin, around.materials, radiosity, collected)
+        shading = _shading(session, light)
+        for done, colours in passes.collect(collected, shading, count, slow):
+            line = f"{len(receivers):,} points"
+            if colours is not None:
+                _write(session, colours)
+                if len(collected.patterns) == 1:
+                    surroundings.remember({plan.obj.name_full: plan.bake for plan in plans}, found)
+                    line = "a first light"
+            yield Progress(0.6 + 0.4 * done, line)
+        session.key, session.light = _key(), light.key(session.materials)
         _last.append(session)
     finally:
-        laid_out = set(whole)
-        storage.remove(obj for obj in objects if obj not in laid_out or not storage.is_lit(obj))
+        storage.remove(
+            obj for obj in objects if obj.name not in laid_out or not storage.is_lit(obj)
+        )
     return lines, len(plans)
 
 
@@ -128,40 +125,57 @@ def relighting(
 
     Whoever closes it leaves them the light that they had.
     """
-    lines = []
-    same = _last and _last[0].key == _key() and _last[0].receivers
-    if not same or {target.name for target in same.targets} != {obj.name for obj in objects}:
+    lines: list[str] = []
+    session = _last[0] if _last and _last[0].key == _key() else None
+    if session is None or session.names != {obj.name for obj in objects}:
         _last.clear()
-        around = geometry.gather(bpy.context.evaluated_depsgraph_get())
-        surfaces = around.surfaces
-        matter = light.matter(around.materials)
-        levels = levels_for(
-            surfaces, layout.START * around.size, PATCHES[1], layout.SMALL * around.size
-        )
-        space = Space(Cells.of(surfaces, levels, layout.SMALL * around.size), matter)
-        radiosity = Radiosity(space)
-        for done in radiosity.cast(SENT[1]):
-            yield Progress(0.3 * done, "light between surfaces")
-        receivers = Receivers(_kept_targets(objects, around), around.materials, space)
-        total = _rays(len(receivers), False)
-        for done in receivers.cast(space, directions.pattern(total)):
-            yield Progress(0.3 + 0.6 * done, f"{len(receivers):,} points")
-        _last.append(_Session(_key(), around.origin, around.materials, radiosity, receivers))
+        session = yield from _cast_anew(objects, light)
         lines.append("the bake's rays are not in memory: they were cast again")
-    session = _last[0]
-    yield Progress(0.9, "light between surfaces")
-    solved = _solve(session, light)
+    elif session.light == light.key(session.materials):
+        return lines
+    yield Progress(0.3, "light between surfaces")
+    shading, collected = _shading(session, light), session.collected
+    if collected.kept is None:
+        collected = Collected(collected.receivers, session.radiosity.space)
+        for done, _ in passes.collect(collected, shading):
+            yield Progress(0.3 + 0.65 * done, f"{len(collected.receivers):,} points")
+        session.collected = collected
+    else:
+        collected.relight(shading)
     yield Progress(0.95, "all light")
-    _write(session, light, solved)
+    _write(session, collected.colours(shading))
+    session.light = light.key(session.materials)
+    _last[:] = [session]
     return lines
 
 
-def _solve(session, light):
+def _cast_anew(
+    objects: Sequence[bpy.types.Object], light: Light
+) -> Generator[Progress, None, _Session]:
+    """Return what is needed to light objects that were laid out before, of receivers no rays."""
+    around = geometry.gather(bpy.context.evaluated_depsgraph_get())
+    surfaces = around.surfaces
+    levels = levels_for(
+        surfaces, layout.START * around.size, PATCHES[1], layout.SMALL * around.size
+    )
+    cells = Cells.of(surfaces, levels, layout.SMALL * around.size)
+    radiosity = Radiosity(Space(cells, light.matter(around.materials)))
+    for done in radiosity.cast(SENT[1]):
+        yield Progress(0.3 * done, "light between surfaces")
+    receivers = Receivers(_kept_targets(objects, around), around.materials, radiosity.space)
+    collected = Collected(receivers, radiosity.space)
+    collected.kept = None
+    return _Session(_key(), around.origin, around.materials, radiosity, collected)
+
+
+def _shading(session: _Session, light: Light) -> Shading:
+    """What makes colours of a light that has gone round."""
     radiosity = session.radiosity
     matter = light.matter(session.materials)
     radiosity.take(matter)
     lamps = [lamp.seen_from(session.origin) for lamp in light.lamps]
-    return radiosity.solve(light.sky, radiosity.lit_by(lamps))
+    table, tells, _ = radiosity.solve(light.sky, radiosity.lit_by(lamps))
+    return Shading.of(light, session.materials, table, tells)
 
 
 def is_lit_by(light: Light) -> bool:
@@ -169,19 +183,14 @@ def is_lit_by(light: Light) -> bool:
     return bool(_last) and _last[0].light == light.key(_last[0].materials)
 
 
-def _write(session: _Session, light: Light, solved) -> None:
-    """Leave on all objects the colours that light makes of them."""
-    session.light = light.key(session.materials)
-    table, tells, _ = solved
-    names = session.materials
-    colours, told = session.receivers.colours(
-        session.radiosity.space,
-        table,
-        tells,
-        lambda kind: light.colours(names[kind]),
-        lambda kind: light.matrix(names[kind]),
-    )
-    for target in session.receivers.targets:
+def _write(session: _Session, colours: NDArray[np.float32]) -> None:
+    """Leave on all objects their colours."""
+    told = session.collected.told
+    objects = {obj.name: obj for obj in bpy.data.objects if obj.library is None}
+    for target in session.collected.receivers.targets:
+        obj = objects[target.name]
+        bake = storage.bake_of(obj)
+        assert bake is not None  # else it is no target
         for side, name in ((1.0, baked_light.LIGHT), (-1.0, baked_light.BEHIND)):
             points, numbers = target.numbers[side]
             if side < 0 and not target.backs.any():
@@ -192,10 +201,10 @@ def _write(session: _Session, light: Light, solved) -> None:
             values[points, 3] = baked_light.FLAG
             values[len(values) - len(target.fine.twin_of) :, 3] = baked_light.FLAG
             values[:, :3] = filled(target.fine, values[:, :3], share)
-            storage.write_attribute(target.bake, name, values)
-        target.bake.data.update()
-        target.bake.update_tag()
-        target.obj.update_tag()
+            storage.write_attribute(bake, name, values)
+        bake.data.update()
+        bake.update_tag()
+        obj.update_tag()
 
 
 def _kept_targets(objects: Sequence[bpy.types.Object], around: geometry.Geometry) -> list[Target]:
@@ -212,25 +221,6 @@ def _kept_targets(objects: Sequence[bpy.types.Object], around: geometry.Geometry
         backs = np.full(len(fine.places), baked_light.BEHIND in bake.data.attributes)
         targets.append(Target(obj.name, fine, points, backs))
     return targets
-
-
-def _rays(points: int, slow: bool) -> int:
-    """From each of so many points, a power of 2."""
-    embree = rays.fast() and not slow
-    least, most = (128, 2048) if embree else (64, 256)
-    wanted = BUDGET[0 if embree else 1] / max(points, 1)
-    return int(np.clip(2 ** np.round(np.log2(wanted)), least, most))
-
-
-def _passes(total: int) -> list[NDArray]:
-    """The patterns of all passes, ``total`` rays together: each is four to eight times as long as
-    all before it."""
-    parts = max(1, total // FIRST)
-    pieces = [directions.pattern(total // parts, part, parts) for part in range(parts)]
-    ends = [0, 1]
-    while ends[-1] < parts:
-        ends.append(parts if 8 * ends[-1] >= parts else 4 * ends[-1])
-    return [np.concatenate(pieces[a:b]) for a, b in pairwise(ends)]
 
 
 def _key() -> int:

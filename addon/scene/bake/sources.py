@@ -43,11 +43,16 @@ class Sources:
         light = transfer.unbalanced(self.rgb) @ restored
         return (light + self.ground[:, None] * self.bands.light(self.below)).astype(np.float32)
 
-    def colours(self, rho: NDArray[np.float64]) -> NDArray[np.float64]:
-        """What a reflectance (81,) makes of each cell's light, (SKY, 3), by every wavelength."""
+    @property
+    def channels(self) -> NDArray[np.float64]:
+        """Each cell's light, (SKY, 4): RGB of the sky, and how many times that of the ground."""
+        return np.concatenate([self.rgb, self.ground[:, None]], axis=1)
+
+    def mix(self, rho: NDArray[np.float64]) -> NDArray[np.float64]:
+        """What a reflectance (81,) makes of `channels`, (3, 4), by every wavelength."""
         transfer = self.transfer
         below = transfer.S_out @ (rho * self.below) / transfer.neutral
-        return self.rgb @ transfer.matrices(rho).T + self.ground[:, None] * below
+        return np.concatenate([transfer.matrices(rho), below[:, None]], axis=1)
 
     def matrix(self, rho: NDArray[np.float64]) -> NDArray[np.float64]:
         """From light in bands to the colour that a reflectance (81,) makes of it, (3, 16)."""
