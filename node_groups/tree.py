@@ -107,10 +107,11 @@ def ensure(
 def _is_whole(
     tree: bpy.types.NodeTree, inputs: Sequence[Socket], outputs: Sequence[Socket]
 ) -> bool:
-    """Whether a group has all sockets and as many nodes as were built; more are a user's own."""
+    """Whether a group has all sockets and as many nodes, with their groups, as were built."""
     built = tree.get(NODES, 1)
     sockets = (("INPUT", s.name) for s in inputs), (("OUTPUT", s.name) for s in outputs)
     found = all(_find(tree, *each) is not None for some in sockets for each in some)
+    found = found and all(n.node_tree is not None for n in tree.nodes if n.type == "GROUP")
     return found and len(tree.nodes) >= (built if isinstance(built, int) else 1)
 
 

@@ -25,10 +25,11 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 def summary(context: bpy.types.Context) -> str:
     """How many materials are spectral, in one line."""
     from ..scene import use_cases
+    from ..scene.blend_data import kept
     from ..scene.materials import spectral_material
     from ..transfer.assignment import ESTIMATED
 
-    names = [m[tags.MATERIAL].get("reflectance") for m in spectral_material.ours()]
+    names = [kept.mapping(m, tags.MATERIAL).get("reflectance") for m in spectral_material.ours()]
     if not names:
         return "No material is spectral yet"
     total = len(names) + len(use_cases.left_alone(context.scene))

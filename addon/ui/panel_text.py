@@ -77,6 +77,8 @@ def model(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         return
     if found.model:
         paragraph(layout, context, found.model)
+    if len(found.errors) <= found.degree:
+        return
     left = found.errors[found.degree]
     paragraph(
         layout,

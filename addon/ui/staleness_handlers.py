@@ -44,9 +44,11 @@ def moved() -> bool:
 
 def found_files(lines: dict[bpy.types.Material, str]) -> None:
     """Remember of which materials the files on disk are no longer those that were read."""
+    from ..scene.materials import spectral_material
+
     _files.clear()
     for material, line in lines.items():
-        _files[material.session_uid] = material[tags.MATERIAL]["reflectance_hash"], line
+        _files[material.session_uid] = spectral_material.hash_of(material), line
 
 
 def found_bakes() -> None:
@@ -84,7 +86,7 @@ def look() -> None:
     from ..scene.materials import spectral_material
 
     found = spectral_material.managed_materials()
-    hashes = {m.session_uid: m[tags.MATERIAL]["reflectance_hash"] for m in found}
+    hashes = {m.session_uid: spectral_material.hash_of(m) for m in found}
     for uid in [uid for uid, (known, _) in _files.items() if hashes.get(uid) != known]:
         del _files[uid]
     for material in found:

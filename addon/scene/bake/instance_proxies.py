@@ -18,6 +18,7 @@ from ....node_groups import modifiers, sky_instance
 from ....node_groups import tree as groups
 from ....node_groups.drivers import drive
 from ... import tags
+from ..blend_data import kept
 from . import storage
 
 SHAPES = {"MESH", "CURVE", "SURFACE", "FONT"}
@@ -40,7 +41,7 @@ def instances_of(
         return obj.instance_collection
     children = stand_ins(obj) if there is None else there
     found = (modifiers.get_input(modifier_of(child), "Collection") for child in children)
-    name = obj.instance_collection[tags.REST]
+    name = kept.text(obj.instance_collection, tags.REST)
     return next(found, None) or next((c for c in bpy.data.collections if c.name_full == name), None)
 
 

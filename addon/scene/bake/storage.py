@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ....node_groups import baked_light, modifiers, sky_bake
 from ... import tags
+from . import surroundings
 from .geometry import STEP
 
 
@@ -74,7 +75,7 @@ def remove(objects: Iterable[bpy.types.Object]) -> None:
     # All at once: Blender looks through the whole file for whoever uses what goes.
     gone = [bake for bake in bakes if bake is not None and not bake.users]
     meshes = {bake.data for bake in gone}
-    records = {record for bake in gone if (record := bake.get(tags.SEEN)) is not None}
+    records = {record for bake in gone if (record := surroundings.record_of(bake)) is not None}
     bpy.data.batch_remove(gone)
     bpy.data.batch_remove([each for each in (*meshes, *records) if not each.users])
     for tree in trees:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from typing import Any
 
 import bpy
 import numpy as np
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 
 from ....node_groups import sky_bake
 from ... import tags
+from ..blend_data import kept
 from .geometry import Geometry
 
 FAR = 0.02
@@ -64,7 +66,7 @@ def remember(baked: Mapping[str, bpy.types.Object], found: dict[str, NDArray]) -
         mesh[tags.SEEN_ROWS] = rows[counts].ravel().tolist()
     for bake in baked.values():
         bake.pop(tags.SURROUNDINGS, None)
-        before = bake.get(tags.SEEN)
+        before = record_of(bake)
         bake[tags.SEEN] = mesh
         if before is not None and not before.users:
             bpy.data.meshes.remove(before)
@@ -80,23 +82,32 @@ def changed(
     result: set[str] = set()
     together: dict[bpy.types.Mesh, list[str]] = {}
     for name, bake in baked.items():
-        record = bake.get(tags.SEEN)
+        record = record_of(bake)
         if record is not None:
             together.setdefault(record, []).append(name)
         elif tags.SURROUNDINGS not in bake:
             result.add(name)
         else:
-            kept = {key: np.array(row) for key, row in json.loads(bake[tags.SURROUNDINGS]).items()}
-            result |= _changed([name], kept, found, size)
+            known: dict[str, Any] = kept.plain(bake, tags.SURROUNDINGS, {})
+            rows = {key: np.array(row) for key, row in known.items() if kept.are_numbers(row, 14)}
+            result |= _changed([name], rows, found, size) if rows else {name}
     for record, names in together.items():
         result |= _changed(names, _kept(record), found, size)
     return result
 
 
+def record_of(bake: bpy.types.Object) -> bpy.types.Mesh | None:
+    """The mesh of ours that keeps what stood around a bake, None without."""
+    return kept.data(bake, tags.SEEN, bpy.types.Mesh)
+
+
 def _kept(record: bpy.types.Mesh) -> dict[str, NDArray]:
-    names = json.loads(record[tags.SEEN_NAMES])
-    rows = np.array(record.get(tags.SEEN_ROWS, ()), float).reshape(-1, 14)
-    return dict(zip(names, rows, strict=True))
+    """What stood around, empty where somebody has changed that: then all has changed."""
+    names: list[str] = kept.plain(record, tags.SEEN_NAMES, [])
+    rows = kept.numbers(record, tags.SEEN_ROWS, 14 * len(names))
+    if not rows or not kept.are_texts(names):
+        return {}
+    return dict(zip(names, np.array(rows).reshape(-1, 14), strict=True))
 
 
 def _changed(names, before, found, size):

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 import bpy
 
 T = TypeVar("T")
+D = TypeVar("D", bound=bpy.types.ID)
 
 
 def mapping(owner: bpy.types.bpy_struct, key: str) -> dict[str, Any]:
@@ -33,6 +34,12 @@ def text(owner: bpy.types.bpy_struct, key: str) -> str:
     """Return a property that is text, empty where it is not."""
     found = owner.get(key)
     return found if isinstance(found, str) else ""
+
+
+def data(owner: bpy.types.bpy_struct, key: str, kind: type[D]) -> D | None:
+    """Return a property that is blend data of a kind, None where it is none."""
+    found = owner.get(key)
+    return found if isinstance(found, kind) else None
 
 
 def plain(owner: bpy.types.bpy_struct, key: str, default: T) -> T:

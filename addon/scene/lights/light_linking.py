@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ... import tags
-from ..blend_data import drivers, nodes
+from ..blend_data import drivers, kept, nodes
 from . import rendered_lamps
 
 _NO_DIFFUSE = {"BSDF_TRANSPARENT", "BSDF_REFRACTION", "BSDF_GLASS", "BSDF_GLOSSY", "BSDF_METALLIC"}
@@ -36,7 +36,7 @@ def _receivers_of(lamp: bpy.types.Object) -> bpy.types.Collection | None:
     own = lamp.light_linking.receiver_collection
     if own is None or tags.RECEIVERS in own:
         return own
-    return own.get(tags.LINKED)
+    return kept.data(own, tags.LINKED, bpy.types.Collection)
 
 
 def ensure(scene: bpy.types.Scene) -> bpy.types.Collection:

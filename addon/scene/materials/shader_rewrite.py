@@ -164,11 +164,11 @@ def dress(
 
 def tops(tree: bpy.types.NodeTree, surface: Node) -> dict[str, Socket]:
     """What of a dressed surface is plugged into the outputs: a socket for "Shader" and "Cycles"."""
-    found = {name: surface.outputs[name] for name in gloss.OUTPUTS}
+    found = {name: surface.outputs.get(name) for name in gloss.OUTPUTS}
     for node in tree.nodes:
         for name in kept.text(node, tags.NODE_OUTPUT).split():
-            found[name] = node.outputs.get(name) or node.outputs[0]
-    return found
+            found[name] = node.outputs.get(name) or next(iter(node.outputs), None)
+    return {name: socket for name, socket in found.items() if socket is not None}
 
 
 def texture_node(material: bpy.types.Material) -> Node | None:

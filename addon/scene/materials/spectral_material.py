@@ -199,6 +199,12 @@ def managed_materials(world: bpy.types.World | None = None) -> list[bpy.types.Ma
     ]
 
 
+def hash_of(material: bpy.types.Material) -> str:
+    """The hash of a material's reflectance, empty where it has none of ours."""
+    record = MaterialRecord.of(material)
+    return "" if record is None else record.reflectance_hash
+
+
 def managed(material: bpy.types.Material) -> Managed | None:
     """What a material was given, None if it is not managed."""
     record, node = MaterialRecord.of(material), surface_node(material)

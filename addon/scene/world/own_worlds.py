@@ -10,6 +10,7 @@ import bpy
 
 from ....node_groups import skylight_surface
 from ... import tags
+from ..blend_data import kept
 
 
 def take_place(world: bpy.types.World, before: bpy.types.World | None) -> None:
@@ -24,7 +25,7 @@ def behind(world: bpy.types.World | None) -> bpy.types.World | None:
     """The user's World that one of ours stands in for, None for no World; any other itself."""
     if world is None or tags.OWN_WORLD not in world:
         return world
-    return world.get(tags.WORLD_BEFORE)
+    return kept.data(world, tags.WORLD_BEFORE, bpy.types.World)
 
 
 def give_back() -> int:
