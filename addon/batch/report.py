@@ -22,7 +22,8 @@ if __package__:
     from ..scene.output.plan_range import Answer, Task, answers, planned
     from . import report_page
 else:  # a copy beside a plan
-    sys.path.insert(0, str(Path(__file__).resolve().parent))
+    if "plan_data" not in sys.modules:  # a farm loads all of them once it has checked their hash
+        sys.path.insert(0, str(Path(__file__).resolve().parent))
     import plan_data  # type: ignore[no-redef]
     import report_page  # type: ignore[no-redef]
     from atomic_file import replacing  # type: ignore[no-redef]

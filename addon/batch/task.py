@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import shutil
 from dataclasses import asdict, dataclass
@@ -29,6 +30,12 @@ SCRIPTS = (
 def sources() -> dict[str, bytes]:
     """Return the content of `SCRIPTS` by name, for whoever runs them from a folder of its own."""
     return {script.name: script.read_bytes() for script in SCRIPTS}
+
+
+def scripts_hash() -> str:
+    """Return hash and names of `SCRIPTS`, by which a farm knows copies that nobody has changed."""
+    digest = hashlib.sha256(b"".join(sources().values())).hexdigest()
+    return " ".join([digest, *(script.stem for script in SCRIPTS)])
 
 
 def copy_scripts(folder: Path) -> None:

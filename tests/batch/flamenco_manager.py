@@ -14,6 +14,8 @@ from pathlib import Path
 
 import quickjs
 
+from spectral_skylight.addon.batch.task import scripts_hash
+
 SCRIPT = Path(__file__).parents[2] / "addon" / "batch" / "flamenco" / "spectral_skylight.js"
 
 NEWEST = (3, 9)
@@ -64,7 +66,11 @@ def job_type(version: tuple[int, int] = NEWEST) -> dict:
 
 
 def compile_job(settings: dict, version: tuple[int, int] = NEWEST) -> list[dict]:
-    """The tasks of a job; raises quickjs.JSException where the script refuses it."""
+    """The tasks of a job; raises quickjs.JSException where the script refuses it.
+
+    Its scripts are those of this program, where ``settings`` do not say which.
+    """
+    settings = {"scripts": scripts_hash(), **settings}
     return json.loads(_manager(version).eval(f"compiled({json.dumps(settings)})"))
 
 

@@ -1,11 +1,14 @@
 """The job type for Flamenco: run in a JavaScript engine, as the Manager does."""
 
+import subprocess
+import sys
+
 import pytest
 import quickjs
 
 from spectral_skylight.addon.batch.dispatch import chunks
 from spectral_skylight.addon.batch.flamenco.submit import picture_ranges, task_name
-from spectral_skylight.addon.batch.task import Task
+from spectral_skylight.addon.batch.task import SCRIPTS, Task, copy_scripts
 from spectral_skylight.tests.batch import flamenco_manager as manager
 from spectral_skylight.tests.benchmarks.virtual_farm import Picture
 
@@ -66,7 +69,8 @@ def test_the_last_task_renders_what_is_missing_reports_and_checks():
     missing, report, check = (manager.line_of(each, variables) for each in last["commands"])
     assert missing[-1] == "--missing" and check[-1] == "--check"
     assert report[:3] == ["/opt/blender", "-b", "--factory-startup"]
-    assert report[-3:] == ["/farm/house/report.py", "--", PLAN]
+    assert report[-2:] == ["--", PLAN]
+    assert "n.index('report')" in report[-3] and "n.index('render_task')" not in report[-3]
     last = manager.compile_job({**job, "report": False})[-1]
     assert last["name"] == "missing pictures, check" and len(last["commands"]) == 2
 
@@ -119,22 +123,64 @@ def test_what_is_no_range_is_refused(text):
 
 
 @pytest.mark.parametrize(
-    ("plan", "script"),
+    "plan",
     [
-        ("/farm/plan.jsonl", "/farm/render_task.py"),
-        ("/plan.jsonl", "/render_task.py"),
-        ("{shared}/house/plan.jsonl", "{shared}/house/render_task.py"),
-        (r"S:\farm\plan.jsonl", r"S:\farm\render_task.py"),
-        (r"\\nas\farm\plan.jsonl", r"\\nas\farm\render_task.py"),
-        ("//nas/farm/plan.jsonl", "//nas/farm/render_task.py"),
-        ("/farm/Haus am See (2)/plan $&.jsonl", "/farm/Haus am See (2)/render_task.py"),
+        "/farm/plan.jsonl",
+        "/plan.jsonl",
+        "{shared}/house/plan.jsonl",
+        r"S:\farm\plan.jsonl",
+        r"\\nas\farm\plan.jsonl",
+        "//nas/farm/plan.jsonl",
+        "/farm/Haus am See (2)/plan $&.jsonl",
     ],
 )
-def test_the_script_lies_beside_the_plan(plan, script):
+def test_the_plan_is_given_as_it_is_and_the_code_names_no_path(plan):
+    """Python finds the folder; the Manager's variables stand in arguments."""
     (task,) = manager.renders(manager.compile_job({"plan": plan, "pictures": "0"}))
     line = manager.command_line(task, {})
-    assert line[line.index("-P") + 1] == script
     assert line[line.index("--") + 1] == plan
+    code = line[line.index("--python-expr") + 1]
+    assert "farm" not in code and not set('{}\n"') & set(code)
+
+
+def copies(folder):
+    folder.mkdir()
+    (folder / "plan.jsonl").write_text("")
+    copy_scripts(folder)
+    return folder / "plan.jsonl"
+
+
+def run_beside(plan, *more):
+    """What Blender would do with a task's line of Python, by Python itself."""
+    (task,) = manager.renders(manager.compile_job({"plan": str(plan), "pictures": "0"}))
+    line = manager.command_line(task, {})
+    code = line[line.index("--python-expr") + 1]
+    command = [sys.executable, "-P", "-c", code, *line[line.index("--") :], *more]
+    return subprocess.run(command, cwd=plan.parent, capture_output=True, text=True)
+
+
+def test_scripts_that_were_changed_are_not_run(tmp_path):
+    """Nor is anything else that lies there; ours, unchanged, read an empty plan."""
+    plan = copies(tmp_path / "out")
+    for name in ("argparse", "numpy", "json", "sitecustomize"):
+        (plan.parent / f"{name}.py").write_text("open('ran', 'w').close()")
+    done = run_beside(plan, "--check")
+    assert done.returncode == 0 and "All 0 pictures are there" in done.stdout, done.stderr
+    for script in SCRIPTS:
+        copy_scripts(plan.parent)
+        with (plan.parent / script.name).open("a") as file:
+            file.write("\nopen('ran', 'w').close()\n")
+        done = run_beside(plan, "--check")
+        assert done.returncode == 1 and "scripts beside the plan were changed" in done.stderr
+    assert not (plan.parent / "ran").exists()
+
+
+@pytest.mark.parametrize(
+    "scripts", ["", None, "abc render_task", "0" * 64, "0" * 64 + " a';import"]
+)
+def test_a_job_without_its_scripts_hash_is_refused(scripts):
+    with pytest.raises(quickjs.JSException, match="give hash and names"):
+        manager.compile_job({"plan": PLAN, "pictures": "0", "scripts": scripts})
 
 
 @pytest.mark.parametrize("plan", ("plan.jsonl", "../plan.jsonl", "", None))

@@ -14,6 +14,7 @@ import pytest
 
 from spectral_skylight.addon.batch.flamenco import submit
 from spectral_skylight.addon.batch.flamenco.manager import Manager
+from spectral_skylight.addon.batch.task import scripts_hash
 from spectral_skylight.addon.cli import main
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.scene.output import image_file, plan_range, render_task
@@ -31,10 +32,10 @@ def blender(tmp_path_factory):
         return blender
     folder = tmp_path_factory.mktemp("blender")
     (folder / "blender.py").write_text(
-        "import runpy, sys\n"
+        "import sys\n"
         "before = sys.argv[:sys.argv.index('--')]\n"
         "assert before[1:5] == ['-b', '--factory-startup', '--python-exit-code', '1'], before\n"
-        "runpy.run_path(before[before.index('-P') + 1], run_name='__main__')\n"
+        "exec(before[before.index('--python-expr') + 1])\n"
     )
     launcher = folder / ("blender.cmd" if os.name == "nt" else "blender")
     start = f"{shlex.quote(sys.executable)} {shlex.quote(str(folder / 'blender.py'))}"
@@ -236,6 +237,7 @@ def test_a_job_for_other_ways_to_a_manager(plan, capsys):
         "pictures": "0-2/2,3-5/1",
         "names": "\n".join(names),
         "report": True,
+        "scripts": scripts_hash(),
     }
     assert {"name", "type", "priority", "submitter_platform"} <= job.keys()
     assert str(manager.SCRIPT) in said.err

@@ -15,6 +15,9 @@ const JOB_TYPE = {
               "into tasks of at most N pictures. Examples: '0-39', '0-39,40-79', '0-1439/12'" },
         { key: "report", type: "bool", required: false, default: false,
           description: "Write report.html beside the plan when all pictures are done" },
+        { key: "scripts", type: "string", required: true,
+          description: "The scripts beside the plan that workers may run: their hash and names, " +
+              "as `batch flamenco` prints them" },
         { key: "names", type: "string", required: false, default: "", visible: "hidden",
           description: "A line for each task: its scene, sky and cameras" },
     ],
@@ -23,42 +26,42 @@ const JOB_TYPE = {
 function compileJob(job) {
     const settings = job.settings;
     const plan = absolute(settings.plan);
+    const run = runner(settings.scripts);
     const cut = ranges(settings.pictures);
     const names = settings.names ? settings.names.split("\n") : [];
     const renders = cut.map(function (range, index) {
         const name = names[index] || "pictures " + range.first + "-" + range.last;
         const task = author.Task(name, "blender");
-        task.addCommand(blender(plan, "render_task.py", place(range), size(range)));
+        task.addCommand(blender(plan, run("render_task"), place(range), size(range)));
         return task;
     });
     renders.forEach(function (task) { job.addTask(task); });
-    job.addTask(lastTask(plan, joined(cut), settings.report, renders));
+    job.addTask(lastTask(plan, run, joined(cut), settings.report, renders));
 }
 
 // A failed picture does not fail its task, or Flamenco would end the job. This task tries it again,
 // on whichever worker is free, and fails if it is still missing. Requeueing the job starts it anew.
-function lastTask(plan, cut, report, renders) {
+function lastTask(plan, run, cut, report, renders) {
     const task = author.Task("missing pictures, " + (report ? "report, " : "") + "check", "blender");
     cut.forEach(function (range) {
         const args = place(range).concat("--missing");
-        task.addCommand(blender(plan, "render_task.py", args, 1));
+        task.addCommand(blender(plan, run("render_task"), args, 1));
     });
     if (report) {
-        task.addCommand(blender(plan, "report.py", [], 1));
+        task.addCommand(blender(plan, run("report"), [], 1));
     }
     cut.forEach(function (range) {
-        task.addCommand(blender(plan, "render_task.py", place(range).concat("--check"), 1));
+        const args = place(range).concat("--check");
+        task.addCommand(blender(plan, run("render_task"), args, 1));
     });
     renders.forEach(function (each) { task.addDependency(each); });
     return task;
 }
 
-// A command that starts Blender without add-ons and preferences on a script beside the plan.
-function blender(plan, name, args, steps) {
-    // Not path.join(): it would take one of the two slashes from a network share's path.
-    const script = plan.replace(/[^\/\\]*$/, name);
-    const all = ["-b", "--factory-startup", "--python-exit-code", "1", "-P", script, "--", plan]
-        .concat(args);
+// A command that starts Blender without add-ons and preferences on a line of Python.
+function blender(plan, code, args, steps) {
+    const all = ["-b", "--factory-startup", "--python-exit-code", "1", "--python-expr", code, "--",
+        plan].concat(args);
     // Flamenco 3.8 counts a command's steps, by a third parameter, and shows what Blender saves.
     if (author.Command.length < 3) {
         return author.Command("exec", { exe: "{blender}", args: all });
@@ -66,6 +69,31 @@ function blender(plan, name, args, steps) {
     return author.Command("blender-render", {
         exe: "{blender}", exeArgs: "", argsBefore: [], blendfile: "", args: all,
     }, steps);
+}
+
+// Python in a line that runs one of the scripts beside the plan. The folder may be anyone's: the
+// scripts are run as they were read and hashed, and nothing else there is imported.
+function runner(scripts) {
+    const match = /^([0-9a-f]{64})((?: [a-z_]+)+)$/.exec(scripts || "");
+    if (!match) {
+        throw new Error("scripts: give hash and names, as batch flamenco prints them");
+    }
+    return function (name) {
+        return [
+            "import sys, os, types, hashlib",
+            "d = os.path.dirname(sys.argv[sys.argv.index('--') + 1])",
+            "n = '" + match[2].trim() + "'.split()",
+            "s = [open(os.path.join(d, m + '.py'), 'rb').read() for m in n]",
+            "h = hashlib.sha256(b''.join(s)).hexdigest() == '" + match[1] + "'",
+            "h or (print('the scripts beside the plan were changed', file=sys.stderr), os._exit(1))",
+            "t = [types.ModuleType(m) for m in n]",
+            "sys.modules.update(zip(n, t))",
+            "[exec(compile(c, m, 'exec'), u.__dict__) for c, m, u in zip(s, n, t)]",
+            "i = n.index('" + name + "')",
+            "exec(compile(s[i], n[i], 'exec'), dict(__name__='__main__', __package__='', " +
+                "__file__=os.path.join(d, n[i] + '.py')))",
+        ].join("; ");
+    };
 }
 
 function place(range) {

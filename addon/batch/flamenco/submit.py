@@ -9,11 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from ...errors import InputError, parameter
+from ...scene.output import plan_data
 from ..dispatch import CHUNK, Picture, chunks
 from ..plan import read_header, read_tasks
 from ..report import record
 from ..run import unprepared
-from ..task import Task
+from ..task import Task, scripts_hash, sources
 from .manager import Manager
 
 SCRIPT = Path(__file__).with_name("spectral_skylight.js")
@@ -49,6 +50,10 @@ def job_of(
     if missing := unprepared(plan):
         cure = f"run batch plan STUDY.toml with {parameter('prepare')}"
         raise InputError(plan, f"{missing} is not prepared", cure)
+    for script, content in sources().items():
+        copy = plan_data.inside(plan.parent, script, ".py")
+        if not copy.is_file() or copy.read_bytes() != content:
+            raise InputError(copy, "is not this program's script", "plan the study again")
     names: list[str] = []
     animated = any(a.camera == b.camera for a, b in pairwise(read_tasks(plan, 0, 2)))
 
@@ -68,6 +73,7 @@ def job_of(
             "pictures": pictures,
             "names": "\n".join(names),
             "report": report,
+            "scripts": scripts_hash(),
         },
         "metadata": {"project": name},
     }

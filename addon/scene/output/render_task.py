@@ -35,7 +35,8 @@ if __package__:
     from .plan_data import inside
     from .plan_range import ANSWER
 else:  # a copy beside a plan
-    sys.path.insert(0, str(Path(__file__).resolve().parent))
+    if "plan_data" not in sys.modules:  # a farm loads all of them once it has checked their hash
+        sys.path.insert(0, str(Path(__file__).resolve().parent))
     import plan_range  # type: ignore[no-redef]
     from atomic_file import replacing  # type: ignore[no-redef]
     from image_file import check, whole, without_times  # type: ignore[no-redef]
