@@ -86,6 +86,6 @@ _RIGHT: dict[str, Callable[[Any], bool]] = {
     "upward": lambda value: kept.are_numbers(value, 3) or value == [],
     "level": lambda value: kept.are_numbers(value, 3) or value == [],
     "spectrum": lambda value: kept.are_numbers(value, 81) or value == [],
-    **dict.fromkeys(("notes", "lights"), kept.are_texts),
+    **dict.fromkeys(("notes", "lights", "warnings"), kept.are_texts),
 }
 """Whether a value is one that a field can have; others count as missing."""
