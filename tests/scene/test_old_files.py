@@ -9,6 +9,7 @@ import pytest
 
 from spectral_skylight.addon import tags
 from spectral_skylight.addon.errors import InputError
+from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.scene import portraits, use_cases
 from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.scene.world.settings import Settings, stored
@@ -89,6 +90,39 @@ def test_an_old_file_renders_as_it_did_and_like_new_after_an_update(name, tmp_pa
     found = settings_of(scene)  # those of the file are kept
     scene = fresh(found.basis, occlusion=found.occlusion)
     np.testing.assert_allclose(now, faces.seen(scene, tmp_path, 9, "cycles"), rtol=1e-4, atol=1e-5)
+
+
+BAKES = ["bake_of_sky", "bake_of_bounce"]
+
+
+@pytest.mark.parametrize("name", BAKES)
+def test_an_old_bake_renders_as_it_did_until_an_update_asks_for_a_new_one(name, tmp_path):
+    """What such a bake holds is of no use to the new shader: then the sky is open, and that is
+    said. Baked again, the floor sees less sky than an open one, and more light than one bounce."""
+    scene = opened(name)
+    kept = json.loads((FILES / "expected.json").read_text())
+    shown = faces.seen(scene, tmp_path, 4, "cycles")
+    np.testing.assert_allclose(shown, kept[name]["cycles"], rtol=5e-3, atol=1e-4)
+    settings = settings_of(scene)
+    assert settings.occlusion == "baked"
+    said = use_cases.update(scene, settings, use_cases.in_scene(scene)).lines
+    assert "2 bake(s) of an earlier version hold no bounced light: bake again" in said
+    open_sky = faces.seen(scene, tmp_path, 4, "cycles")
+    assert run(use_cases.bake(scene, settings)) == ["2 object(s) baked"]
+    assert use_cases.update(scene, settings, use_cases.in_scene(scene)).lines == []
+    now = faces.seen(scene, tmp_path, 4, "cycles")
+    assert (np.array(kept["bake_of_sky"]["cycles"]) < now).all() and (now < 0.97 * open_sky).all()
+    # One bounce of two bakers, some 1 % apart; further ones between floor and wall are weaker.
+    assert (now > 0.98 * np.array(kept["bake_of_bounce"]["cycles"])).all()
+
+
+@newest
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BAKES)
+def test_old_bakes_in_eevee(name, tmp_path):
+    kept = json.loads((FILES / "expected.json").read_text())[name]["eevee"]
+    shown = faces.seen(opened(name), tmp_path, 4)
+    np.testing.assert_allclose(shown, kept, rtol=5e-3, atol=1e-3)
 
 
 @newest
