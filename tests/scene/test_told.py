@@ -62,7 +62,7 @@ def test_an_interior_under_the_open_sky_is_said_to_be_too_bright(scene):
 
 
 def test_what_no_face_shows_is_neither_baked_nor_missed(scene):
-    """A slot of a spectral material that no face has: no bake, and none that is called old."""
+    """A slot of a spectral material that no face has: said once, and not called old as well."""
     wall, frame = paint("Wall"), paint("Frame", Metallic=1.0)
     buildings.ground(4, wall)
     door = buildings.box("Door", (0, 0, 1), (1, 0.1, 2), wall)
@@ -72,7 +72,9 @@ def test_what_no_face_shows_is_neither_baked_nor_missed(scene):
     use_cases.make_spectral(scene, {wall: Assignment("grey", np.full(81, 0.5))}, settings)
     assert out_of_date.look_at_bakes(scene) == ["Ground"]
     lines = run(use_cases.bake(scene, settings, rays=32))
-    assert not [line for line in lines if "Door" in line] and "1 object(s) baked" in lines
+    (line,) = [line for line in lines if "Door" in line]
+    assert line == '"Door": not baked, for it has no faces of a spectral material'
+    assert "1 object(s) baked" in lines
     assert out_of_date.look_at_bakes(scene) == []
 
 

@@ -71,7 +71,7 @@ def begin(
         elif abs(np.linalg.det(np.array(obj.matrix_world)[:3, :3])) < 1e-20:
             problem = "no size"
         if problem or fine is None:
-            refused.append((obj.name, f"not baked, for it has {problem}"))
+            refused.append((f'"{obj.name}"', f"not baked, for it has {problem}"))
             continue
         lengths, split = _shapes(obj, fine)
         plans.append(Plan(obj, bake, fine, np.zeros(len(lengths), int), split, lengths))

@@ -24,16 +24,30 @@ in (`instances`); metaballs, and what faces, vertices and particles instance, ke
 
 
 def is_managed(obj: bpy.types.Object) -> bool:
-    """Whether an object, as it is or evaluated, shows a managed material; of a mesh a face must."""
-    materials = [slot.material for slot in obj.material_slots]
-    managed = [material is not None and tags.MATERIAL in material for material in materials]
-    if obj.type != "MESH" or obj.data is None or (obj.modifiers and not obj.is_evaluated):
-        return any(managed)
-    if not obj.data.polygons or not any(managed) or all(managed):
-        return bool(obj.data.polygons) and any(managed)
-    used = np.empty(len(obj.data.polygons), np.int32)
-    obj.data.polygons.foreach_get("material_index", used)
-    return bool(np.array(managed)[np.minimum(used, len(managed) - 1)].any())
+    """Whether an object, as it is or evaluated, has a managed material."""
+    return any(map(_counts, obj.material_slots))
+
+
+def _counts(slot: bpy.types.MaterialSlot) -> bool:
+    return slot.material is not None and tags.MATERIAL in slot.material
+
+
+def _shows_managed(obj: bpy.types.Object) -> bool:
+    """Whether a face of an object has a managed material; True where only a bake can tell."""
+    others = [each for each in obj.modifiers if each != storage.modifier_of(obj)]
+    if obj.type not in SHAPES or any(each.type == "NODES" for each in others):
+        return True
+    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    if obj.type != "MESH":
+        mesh = shown.to_mesh()
+        faces = mesh is not None and len(mesh.polygons) > 0
+        shown.to_mesh_clear()
+        return faces
+    shown = shown if others else obj
+    managed = np.array([_counts(slot) for slot in shown.material_slots], bool)
+    used = np.empty(len(shown.data.polygons), np.int32)
+    shown.data.polygons.foreach_get("material_index", used)
+    return bool(managed[np.minimum(used, len(managed) - 1)].any()) if len(managed) else False
 
 
 def targets(selected: bool = False) -> list[bpy.types.Object]:
@@ -101,7 +115,7 @@ def bake(
     if changed_only and chosen:
         chosen = _stale(chosen)
     refused = {obj: _hindrance(obj) for obj in chosen}
-    lines += grouped(((obj.name, why) for obj, why in refused.items() if why), "object")
+    lines += grouped(((f'"{obj.name}"', why) for obj, why in refused.items() if why), "object")
     chosen = [obj for obj in chosen if not refused[obj]]
     done = 0
     try:
@@ -127,7 +141,9 @@ def _real(
         elif obj.is_editable and obj.library is None:
             empties.append(obj)
         else:
-            linked.append((obj.name, "linked from another file: the open sky lights its instances"))
+            linked.append(
+                (f'"{obj.name}"', "linked from another file: the open sky lights its instances")
+            )
     lines = grouped(linked, "object")
     return (real + instance_proxies.spread(empties, is_managed) if empties else real), lines
 
@@ -149,9 +165,9 @@ def _left_open() -> list[str]:
         if not is_managed(each.object):
             continue
         if each.particle_system is not None or by.instance_type in ("VERTS", "FACES"):
-            found[by.name] = "shows instances under the open sky: make them real"
+            found[f'"{by.name}"'] = "shows instances under the open sky: make them real"
         elif by.type == "META":
-            found[by.name] = "shows a metaball under the open sky: convert it to a mesh"
+            found[f'"{by.name}"'] = "shows a metaball under the open sky: convert it to a mesh"
     return grouped(found.items(), "object")
 
 
@@ -175,9 +191,10 @@ def baked() -> list[bpy.types.Object]:
 def stale() -> list[bpy.types.Object]:
     """The `targets` without a bake, or whose bake is no longer what they would see.
 
-    It evaluates the scene: for a button, not for a panel's drawing.
+    Those that cannot be baked are none, but for what is being edited. It evaluates the scene: for a
+    button, not for a panel's drawing.
     """
-    return _stale(targets())
+    return [obj for obj in _stale(targets()) if obj.mode != "OBJECT" or not _hindrance(obj)]
 
 
 def relighting(light: light_of_scene.Light) -> Generator[Progress, None, list[str]]:
@@ -207,4 +224,6 @@ def _hindrance(obj):
         return "not baked, for it is linked from another file: make it local, or bake it there"
     if obj.mode != "OBJECT":
         return "not baked, for it is being edited: leave that mode first"
-    return ""
+    if abs(obj.matrix_world.determinant()) < 1e-20:
+        return "not baked, for it has no size"
+    return "" if _shows_managed(obj) else "not baked, for it has no faces of a spectral material"
