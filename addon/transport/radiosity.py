@@ -166,11 +166,11 @@ class Radiosity:
         unlit &= self.enclosed
         if unlit.any() and not unlit.all():
             tells[self.row[unlit]] = 0.0
-            table, more = self._spread(sky, direct, tells)
+            table, more = self._spread(sky, direct, tells, self.E)  # little has changed
             sweeps += more
         return table, tells, sweeps
 
-    def _spread(self, sky, direct, tells):
+    def _spread(self, sky, direct, tells, near=None):
         space, fronts = self.space, self.space.cells.patches
         filters = np.array(space.filters) if space.filters else None
         table = np.zeros((space.rows, sky.shape[1]), np.float32)
@@ -184,7 +184,8 @@ class Radiosity:
 
         table[space.sky : space.lost] = sky
         table[:fronts] = self.emission
-        E = first = direct + arriving()
+        first = direct + arriving()
+        E = first if near is None else near
         table[space.sky : space.lost] = 0.0
         table[:fronts] = 0.0
         sweep = 0

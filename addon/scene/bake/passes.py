@@ -6,7 +6,7 @@ is done. So rays go where light changes fast, and a town has a first light after
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,55 +34,61 @@ DIM = 0.02
 
 
 def collect(
-    collected: Collected, shading: Shading, count: int | None = None, slow: bool = False
+    collected: Collected,
+    shading: Shading,
+    ends: Sequence[int],
+    before: Sequence[NDArray] | None = None,
+    slow: bool | None = False,
 ) -> Iterator[tuple[float, NDArray[np.float32] | None]]:
-    """Cast rays in passes, yielding how far that is, 0 to 1, and after each pass the colours (n, 3)
-    that light has made, else None.
+    """Cast passes of ``ends`` rays from a point each, yielding how far that is, 0 to 1, and after
+    each pass the colours (n, 3) that light has made, else None.
 
-    ``count``: rays from each point, from all alike; None: as light asks for. ``slow``: without
-    `embreex` also where it is installed.
+    ``before``: what an earlier pass has `found`, with which the first is compared. ``slow``:
+    without `embreex` also where it is installed; None: all points cast all passes.
     """
     points = np.arange(len(collected.receivers), dtype=np.int32)
-    ends = _ends(len(points), count, slow)
-    budget = BUDGET[0 if rays.fast() and not slow else 1]
-    weights = np.array(ends, float)
-    if count is None:
-        weights *= 0.5 ** np.maximum(np.arange(len(ends)) - 1, 0)
+    left = BUDGET[_speed(bool(slow))]
+    weights = np.array(ends) * 0.5 ** np.arange(len(ends))
     shares = np.cumsum([0.0, *weights / weights.sum()]).tolist()
-    before: list[NDArray] = []
     for k, end in enumerate(ends):
         for done in collected.cast(directions.pattern(end), points, shading):
             yield shares[k] + (shares[k + 1] - shares[k]) * done, None
-        budget -= end * len(points)
-        now = [collected.colours(shading), collected.seen]
+        left -= end * len(points)
+        now = found(collected, shading)
         yield shares[k + 1], now[0]
-        if count is None and k > 0 and k + 1 < len(ends):
-            pairs = zip(now, before, strict=True)
-            change = np.max([_change(*pair, points) for pair in pairs], axis=0)
-            unsure = np.flatnonzero(change > SURE)
-            if len(unsure) > (most := max(0, int(budget) // ends[k + 1])):
-                unsure = np.sort(np.argsort(-change)[:most])
-            points = points[unsure]
+        if before is not None and slow is not None and k + 1 < len(ends):
+            points = _unsure(points, now, before, int(left) // ends[k + 1])
             if not len(points):
                 return
         before = now
 
 
-def first_rays(points: int, slow: bool = False) -> int:
-    """Return how many rays each of so many points casts in the first pass, a power of 2."""
-    budget = BUDGET[0 if rays.fast() and not slow else 1]
-    return int(2 ** np.clip(np.floor(np.log2(budget / (FACTOR * max(points, 1)))), *np.log2(FIRST)))
+def found(collected: Collected, shading: Shading) -> list[NDArray[np.float32]]:
+    """Return what makes points sure of their light: colours (n, 3), what of the sky is seen."""
+    return [collected.colours(shading), collected.seen]
 
 
-def _ends(points: int, count: int | None, slow: bool) -> list[int]:
-    """The rays of a point in each pass."""
-    if count is not None:
-        return [FIRST[1], count] if count >= FACTOR * FIRST[1] else [count]
-    most = MOST[0 if rays.fast() and not slow else 1]
-    ends = [first_rays(points, slow)]
+def rays_of(points: int, slow: bool = False) -> list[int]:
+    """Return how many rays so many points cast in each pass."""
+    most = MOST[_speed(slow)]
+    first = BUDGET[_speed(slow)] / (FACTOR * max(points, 1))
+    ends = [int(2 ** np.clip(np.floor(np.log2(first)), *np.log2(FIRST)))]
     while ends[-1] < most:
         ends.append(FACTOR * ends[-1])
     return ends
+
+
+def _speed(slow: bool) -> int:
+    return 0 if rays.fast() and not slow else 1
+
+
+def _unsure(points, now, before, most) -> NDArray[np.int32]:
+    """Those of some points whose light a pass has changed; if too many, those changed ``most``."""
+    change = np.max([_change(*pair, points) for pair in zip(now, before, strict=True)], axis=0)
+    unsure = np.flatnonzero(change > SURE)
+    if len(unsure) > max(most, 0):
+        unsure = np.sort(np.argsort(-change)[: max(most, 0)])
+    return points[unsure]
 
 
 def _change(now: NDArray, before: NDArray, points: NDArray) -> NDArray:

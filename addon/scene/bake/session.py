@@ -30,6 +30,9 @@ PATCHES = 20_000, 60_000
 SENT = 64, 128
 """Rays from each patch, at first and at last."""
 
+FIRST = 64
+"""Rays from points for a first light, where users say how many at last."""
+
 
 @dataclass
 class _Session:
@@ -91,24 +94,33 @@ def baking(
         others = [obj for obj in bpy.data.objects if obj not in own and storage.is_lit(obj)]
         targets += _kept_targets(others, around)
         laid_out = {plan.obj.name for plan in plans}
+        receivers = Receivers(targets, around.materials, space)
+        points = f"{len(receivers):,} points"
+        each = passes.rays_of(len(receivers), slow) if count is None else [FIRST, count]
+        # A first light of coarse patches and few rays, and from then on ever better ones.
+        collected = Collected(receivers, space)
+        session = _Session(0, around.origin, around.materials, coarse, collected)
+        shading = _shading(session, light)
+        for done, _ in passes.collect(collected, shading, each[:1]):
+            yield Progress(0.2 + 0.05 * done, points)
+        before = passes.found(collected, shading)
+        _write(session, before[0])
+        surroundings.remember({plan.obj.name_full: plan.bake for plan in plans}, found)
+        yield Progress(0.25, "a first light")
         finer = layout.finer(surfaces, levels, bend, tolerance, PATCHES[1])
-        del coarse, space
         space = Space(Cells.of(surfaces, finer, layout.SMALL * around.size), matter, slow)
+        del coarse, session
         radiosity = Radiosity(space)
         for done in radiosity.cast(SENT[1]):
-            yield Progress(0.3 + 0.3 * done, "light between surfaces")
-        receivers = Receivers(targets, around.materials, space)
+            yield Progress(0.25 + 0.35 * done, "light between surfaces")
         collected = Collected(receivers, space)
         session = _Session(0, around.origin, around.materials, radiosity, collected)
         shading = _shading(session, light)
-        for done, colours in passes.collect(collected, shading, count, slow):
-            line = f"{len(receivers):,} points"
+        how = slow if count is None else None
+        for done, colours in passes.collect(collected, shading, each[1:], before, how):
             if colours is not None:
                 _write(session, colours)
-                if len(collected.patterns) == 1:
-                    surroundings.remember({plan.obj.name_full: plan.bake for plan in plans}, found)
-                    line = "a first light"
-            yield Progress(0.6 + 0.4 * done, line)
+            yield Progress(0.6 + 0.4 * done, points)
         session.key, session.light = _key(), light.key(session.materials)
         _last.append(session)
     finally:
@@ -137,7 +149,8 @@ def relighting(
     shading, collected = _shading(session, light), session.collected
     if collected.kept is None:
         collected = Collected(collected.receivers, session.radiosity.space)
-        for done, _ in passes.collect(collected, shading):
+        each = passes.rays_of(len(collected.receivers))
+        for done, _ in passes.collect(collected, shading, each):
             yield Progress(0.3 + 0.65 * done, f"{len(collected.receivers):,} points")
         session.collected = collected
     else:
