@@ -181,7 +181,7 @@ def remove(material: bpy.types.Material, stays: bpy.types.NodeTree | None = None
 
 def is_managed(material: bpy.types.Material | None) -> bool:
     """Whether a material has our surface (also a copy, and one that is linked from a library)."""
-    return material is not None and tags.MATERIAL in material and surface_node(material) is not None
+    return material is not None and managed(material) is not None
 
 
 def ours() -> list[bpy.types.Material]:
