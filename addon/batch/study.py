@@ -61,6 +61,8 @@ def key_of(parameter: str) -> str:
 
 SKY_KEYS = ("file", "name", "date", "times", "latitude", "longitude", "timezone", "north")
 VARIANT_KEYS = ("name", "assign")
+LAST_FRAME = 1048574
+"""Of Blender's."""
 
 
 @dataclass(frozen=True)
@@ -130,6 +132,8 @@ def read_study(path: str | Path) -> Study:
     if resolution and (len(resolution) != 2 or not all(1 <= n <= 65536 for n in resolution)):
         table.wrong("resolution", "give [width, height], each 1 to 65536")
     frames = table.items("frames", (int,), "give whole numbers", None)
+    if frames and not all(type(n) is int and abs(n) <= LAST_FRAME for n in frames):
+        table.wrong("frames", f"give whole numbers, up to {LAST_FRAME}")
     study = Study(
         path=path,
         out=here / table.text("out"),
@@ -162,7 +166,7 @@ def _settings(table: Table) -> dict[str, Any]:
     white = table.values.get("white")
     if white is not None and white != "auto":
         white = table.items("white", (int, float), "give [R, G, B] or auto")
-        if len(white) != 3 or not all(0.0 < part < float("inf") for part in white):
+        if len(white) != 3 or not all(0.0 < part <= 1e9 for part in white):
             table.wrong("white", "give three numbers above 0, or auto")
         white = tuple(float(part) for part in white)
     found = {
@@ -242,7 +246,11 @@ def _variants(table: Table, here: Path) -> tuple[Variant, ...]:
 
 
 def _file(place: str, path: Path) -> Path:
-    if not path.is_file():
+    try:
+        there = path.is_file()
+    except (OSError, ValueError):  # no file has such a name
+        there = False
+    if not there:
         raise InputError(place, f"there is no file {path}", "paths are relative to the study")
     return path.resolve()
 

@@ -27,7 +27,7 @@ class Table:
 
     def wrong(self, key: str, cure: str) -> NoReturn:
         """Raise what says that a key's value, or its absence, will not do."""
-        found = repr(self.values[key]) if key in self.values else "missing"
+        found = _shown(self.values[key]) if key in self.values else "missing"
         raise InputError(f'{self.place}, "{key}"', found, cure)
 
     def text(self, key: str, default: Any = _MISSING) -> Any:
@@ -82,9 +82,19 @@ def read_toml(path: Path, known: Iterable[str]) -> Table:
         raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from None
     except UnicodeDecodeError:
         raise InputError(path, "is not UTF-8 text", "save it as UTF-8") from None
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(path, f"is not TOML: {error}", "see https://toml.io") from None
+    except (ValueError, RecursionError) as error:
+        reason = " ".join(str(error).split())
+        raise InputError(path, f"is not TOML: {reason}", "see https://toml.io") from None
     return Table(str(path), values, known)
+
+
+def _shown(value: Any) -> str:
+    """Return a value as its file may have it, short."""
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # Python writes no numbers of more than 4300 digits
+        return "more than can be"
+    return text if len(text) <= 200 else f"{text[:200]} …"
 
 
 def _number(value: Any, low: float, high: float) -> bool:
@@ -92,4 +102,4 @@ def _number(value: Any, low: float, high: float) -> bool:
 
 
 def _whole(value: Any, low: int, high: int) -> bool:
-    return isinstance(value, int) and _number(value, low, high)
+    return type(value) is int and low <= value <= high

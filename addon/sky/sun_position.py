@@ -74,7 +74,11 @@ def _moment(date: str, time: str, zone: str) -> datetime:
             parameter("date"), f"'{date} {time}' is not a date and time", cure
         ) from None
     moment = moment.replace(tzinfo=_zone(zone))
-    if moment.astimezone(UTC).astimezone(moment.tzinfo).time() != moment.time():
+    try:
+        again = moment.astimezone(UTC).astimezone(moment.tzinfo)
+    except OverflowError:  # on the first or last day that Python knows
+        raise InputError(parameter("date"), f"{date} is too far away", "give another") from None
+    if again.time() != moment.time():
         cure = f"summer time begins in {zone}: give an hour later"
         raise InputError(parameter("time"), f"there is no {time} on {date}", cure)
     return moment
@@ -88,6 +92,6 @@ def _zone(name: str) -> tzinfo:
             return ZoneInfo(name)
         hours, _, minutes = name[1:].partition(":")
         return timezone(sign * timedelta(hours=float(hours), minutes=int(minutes or 0)))
-    except (ValueError, OSError, KeyError):  # ZoneInfoNotFoundError is a KeyError
+    except (ValueError, OverflowError, OSError, KeyError):  # ZoneInfoNotFoundError is a KeyError
         cure = "give a name such as Europe/Berlin, or hours such as +2"
         raise InputError(parameter("timezone"), f"'{name}' is unknown", cure) from None
