@@ -73,7 +73,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             if os.environ.get("SPECTRAL_SKYLIGHT_TRACEBACK"):
                 traceback.print_exc()
     if line:
-        print(f"{PROGRAM}: {line}", file=sys.stderr)
+        with contextlib.suppress(OSError):  # where nobody can be told
+            print(f"{PROGRAM}: {line}", file=sys.stderr)
     return code
 
 
