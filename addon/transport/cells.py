@@ -78,6 +78,19 @@ def levels_for(
         length *= 1.2
 
 
+def pieces(
+    surfaces: Surfaces, levels: NDArray[np.int64], most: int = 2
+) -> tuple[Surfaces, NDArray[np.int64], NDArray[np.int64]]:
+    """Return triangles of which none is cut more often than ``most``, where these are cut so often
+    (n,): how often each still is, and of which it is a part. So a field need not be cut finely all
+    over for the sake of the yard in it."""
+    before = np.maximum(levels - most, 0)
+    cut = Cells.of(surfaces, before)
+    thing = surfaces.thing[cut.triangle]
+    parts = Surfaces(cut.corners.astype(float), cut.kind, cut.solid, thing)
+    return parts, (levels - before)[cut.triangle], cut.triangle
+
+
 @lru_cache(maxsize=FINEST + 1)
 def _cuts(level: int) -> NDArray[np.float32]:
     """Barycentric corners (4^level, 3, 3) of the cells of a triangle; four that follow one another

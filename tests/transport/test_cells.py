@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.transport.cells import Surfaces, levels_for
+from spectral_skylight.addon.transport.cells import Cells, Surfaces, levels_for, pieces
 
 
 def triangles(sides):
@@ -30,3 +30,16 @@ def test_cells_are_as_long_as_asked_for():
 
 def test_nothing_is_cut_of_nothing():
     assert len(levels_for(triangles([]), 0.1, 100)) == 0
+
+
+def test_pieces_are_the_same_surfaces_cut_as_often_in_all():
+    surfaces = triangles([1.0, 2.0, 40.0])
+    levels = np.array([0, 2, 5])
+    parts, further, triangle = pieces(surfaces, levels)
+    np.testing.assert_array_equal(np.bincount(triangle), [1, 1, 4**3])
+    assert further.max() == 2
+    np.testing.assert_array_equal(further, np.minimum(levels, 2)[triangle])
+    whole, cut = Cells.of(surfaces, levels), Cells.of(parts, further)
+    assert len(cut) == len(whole)
+    np.testing.assert_allclose(np.sort(cut.areas), np.sort(whole.areas), rtol=1e-4)
+    np.testing.assert_array_equal(parts.kind, surfaces.kind[triangle])

@@ -38,6 +38,9 @@ DARK = 0.05
 MEETS = 0.5
 """Part of the light that two surfaces take from each other where they meet, in the mean."""
 
+DOUBT = 1.25
+"""A bend is told by few rays: so much more may be true."""
+
 POWER = 0.75
 """Halving a cell divides what its middle is off by 2 where light has an edge, by 4 where it bends:
 so many halvings for each factor of 2."""
@@ -101,30 +104,32 @@ def refine(
 ) -> None:
     """Say how often faces are divided, by what triangles of these levels have told."""
     owners = {name: number for number, name in enumerate(around.owners)}
-    wanted = levels + halvings(bend, tolerance)
+    order = np.argsort(around.owner, kind="stable")
+    counts = np.bincount(around.owner, minlength=len(owners))
+    ends = np.cumsum(counts)
+    wanted = levels + halvings(DOUBT * bend, tolerance)
     for plan in plans:
-        own = np.flatnonzero(around.owner == owners.get(plan.obj.name_full, -1))
-        by_light = np.zeros(len(plan.levels), int)
-        if len(own) and around.polygon[own].max(initial=0) < len(by_light):
-            np.maximum.at(by_light, around.polygon[own], wanted[own])
-        plan.levels = by_light
+        number = owners.get(plan.obj.name_full, -1)
+        own = order[ends[number] - counts[number] : ends[number]] if number >= 0 else order[:0]
+        if len(own) and around.polygon[own].max() < len(plan.levels):
+            np.maximum.at(plan.levels, around.polygon[own], wanted[own])
     length = LEAST * around.size
     while True:
-        total = 0
-        for plan in plans:
-            by_size = np.ceil(np.log2(np.maximum(plan.lengths / (LONGEST * around.size), 1.0)))
-            most = np.floor(np.log2(np.maximum(plan.lengths / length, 1.0)))
-            now = np.minimum(np.maximum(plan.levels, by_size), np.minimum(most, sky_bake.LEVELS))
-            now = np.where(plan.coarse.managed, now, 0).astype(int)
-            total += int((4.0**now).sum())
+        limited = [_limited(plan, around.size, length) for plan in plans]
+        total = sum(float((4.0**each).sum()) for each in limited)
         if total <= POINTS or length > around.size:
             break
         length *= 1.25
-    for plan in plans:
-        by_size = np.ceil(np.log2(np.maximum(plan.lengths / (LONGEST * around.size), 1.0)))
-        most = np.floor(np.log2(np.maximum(plan.lengths / length, 1.0)))
-        now = np.minimum(np.maximum(plan.levels, by_size), np.minimum(most, sky_bake.LEVELS))
-        plan.levels = np.where(plan.coarse.managed, now, 0).astype(int)
+    for plan, each in zip(plans, limited, strict=True):
+        plan.levels = each
+
+
+def _limited(plan: Plan, size: float, length: float) -> NDArray[np.int64]:
+    """A plan's levels (f,) in a scene of this size where no face is divided to less than this."""
+    by_size = np.ceil(np.log2(np.maximum(plan.lengths / (LONGEST * size), 1.0)))
+    most = np.floor(np.log2(np.maximum(plan.lengths / length, 1.0)))
+    levels = np.minimum(np.maximum(plan.levels, by_size), np.minimum(most, sky_bake.LEVELS))
+    return np.where(plan.coarse.managed, levels, 0).astype(int)
 
 
 def lay_out(plans: Sequence[Plan], around: Geometry, space: Space) -> list[Target]:

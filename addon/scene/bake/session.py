@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ....node_groups import baked_light, modifiers
 from ...progress import Progress
-from ...transport.cells import Cells, levels_for
+from ...transport.cells import Cells, levels_for, pieces
 from ...transport.hits import Space
 from ...transport.radiosity import Radiosity
 from . import geometry, layout, passes, storage, surroundings
@@ -82,12 +82,14 @@ def baking(
         levels = levels_for(
             surfaces, layout.START * around.size, PATCHES[0], layout.SMALL * around.size
         )
-        space = Space(Cells.of(surfaces, levels, layout.SMALL * around.size), matter, slow)
+        parts, of_parts, triangle = pieces(surfaces, levels)
+        space = Space(Cells.of(parts, of_parts, layout.SMALL * around.size), matter, slow)
         coarse = Radiosity(space)
         for done in coarse.cast(SENT[0], alike=True):
             yield Progress(0.2 * done, "light between surfaces")
         coarse.solve(light.sky, np.zeros_like(coarse.E))
-        bend = layout.bends(coarse)
+        bend = np.zeros(len(levels))
+        np.maximum.at(bend, triangle, layout.bends(coarse))
         layout.refine(plans, around, bend, levels, tolerance)
         targets = layout.lay_out(plans, around, space)
         own = set(objects)
@@ -107,8 +109,9 @@ def baking(
         _write(session, before[0])
         surroundings.remember({plan.obj.name_full: plan.bake for plan in plans}, found)
         yield Progress(0.25, "a first light")
-        finer = layout.finer(surfaces, levels, bend, tolerance, PATCHES[1])
-        space = Space(Cells.of(surfaces, finer, layout.SMALL * around.size), matter, slow)
+        # With what lamps light, which is stored nowhere, but sent on from there.
+        finer = layout.finer(parts, of_parts, layout.bends(coarse), tolerance, PATCHES[1])
+        space = Space(Cells.of(parts, finer, layout.SMALL * around.size), matter, slow)
         del coarse, session
         radiosity = Radiosity(space)
         for done in radiosity.cast(SENT[1]):
