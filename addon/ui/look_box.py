@@ -35,7 +35,9 @@ def _comparison(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     ):
         part = row.row(align=True)
         part.alert = state == shown != rgb_comparison.SPECTRAL
-        part.operator("skylight.before_after", text=text, depress=state == shown).show = show
+        pressed = state == shown
+        change = part.operator("skylight.before_after", text=text, depress=pressed)
+        change.show = "AFTER" if pressed else show  # pressed again, it lets go
     row.operator("skylight.show_in_viewport", text="", icon="SHADING_RENDERED")
     if shown:
         row = layout.row()

@@ -134,6 +134,7 @@ def test_esc_and_undo(equipped):
         )
         window.ask("setattr(bpy.context.scene.world.skylight, 'occlusion', 'baked')")
         before = window.ask("[len(bpy.data.objects), bpy.data.objects['Cube'].modifiers.keys()]")
+        window.press("Advanced")
         window.press("Sun, Shadows and Ground")
         window.hover(window.find("Bake Light"))
         window.pointer("click", "1")
@@ -209,5 +210,5 @@ def act(window, kind, text):
         window.press_tab(text)
     else:
         window.press(text)
-        if text == "Show in Viewport":
+        if text == "Make Everything Spectral":
             window.wait_for_shaders()
