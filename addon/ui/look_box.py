@@ -33,7 +33,7 @@ def _comparison(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         ("AFTER", "Spectral", rgb_comparison.SPECTRAL),
         ("DIFFERENCE", "Difference × 8", rgb_comparison.DIFFERENCE),
     ):
-        part = row.row(align=True)
+        part = (row if state != rgb_comparison.DIFFERENCE else layout).row(align=True)
         part.alert = state == shown != rgb_comparison.SPECTRAL
         pressed = state == shown
         change = part.operator("skylight.before_after", text=text, depress=pressed)

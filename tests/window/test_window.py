@@ -115,7 +115,7 @@ def test_esc_and_undo(equipped):
     """Esc ends a bake and leaves nothing of it; one Ctrl-Z takes back one click, redo brings it."""
     with Window(equipped) as window:
         window.press_tab("Skylight")
-        window.press("Load Sky HDRI...")
+        window.press("Load Sky...")
         window.press("sky.exr", times=2)
         window.find("Sky: sky.exr")
         window.press("Make Everything Spectral")
@@ -152,7 +152,7 @@ def test_the_light_follows(equipped):
         window.ask("bpy.ops.mesh.primitive_plane_add(size=12, location=(0, 0, -1))")
         window.ask("bpy.context.object.data.materials.append(bpy.data.materials['Material'])")
         window.press_tab("Skylight")
-        window.press("Load Sky HDRI...")
+        window.press("Load Sky...")
         window.press("sky.exr", times=2)
         window.find("Sky: sky.exr")
         window.press("Make Everything Spectral")
