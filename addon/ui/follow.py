@@ -21,8 +21,11 @@ from .labels import told
 PAUSE = 0.4
 """[s] without a change before work begins: a person who drags something is not done yet."""
 
-SLICE = 0.05
-"""[s] of work between two looks at what a person does."""
+SLICE = 0.05, 0.25
+"""[s] of work between two looks at what a person does: more where Blender itself takes long."""
+
+SHOWN = 0.3
+"""[s] between two looks at the progress: each costs a redraw."""
 
 
 @dataclass
@@ -44,6 +47,7 @@ class Work:
 _work: Work | None = None
 _asked: float | None = None  # when, by `time.monotonic`, as long as it has not begun
 _lines: list[str] = []
+_ended = _shown = 0.0  # when, by `time.monotonic`, the last slice ended, and the panel was drawn
 
 
 def work() -> Work | None:
@@ -96,11 +100,21 @@ def _tick() -> float | None:
             if not _begin():
                 return None
         _go_on()
-    for each in bpy.context.window_manager.windows:
-        for area in each.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+    _show()
     return 0.01
+
+
+def _show() -> None:
+    """Draw the sidebars again, and not the pictures beside them: those may take seconds."""
+    global _shown
+    if _work is not None and time.monotonic() - _shown < SHOWN:
+        return
+    _shown = time.monotonic()
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            for region in area.regions if area.type == "VIEW_3D" else ():
+                if region.type == "UI":
+                    region.tag_redraw()
 
 
 def _busy(window: bpy.types.Window) -> bool:
@@ -135,10 +149,11 @@ def _go_on() -> None:
     from ..scene import out_of_date
     from . import staleness_handlers
 
-    global _work
+    global _work, _ended
     current = _work
     assert current is not None
-    until = time.monotonic() + SLICE
+    start = time.monotonic()
+    until = start + min(max(SLICE[0], start - _ended), SLICE[1])
     try:
         with staleness_handlers.ours(bpy.context):
             current.progress = next(current.steps)
@@ -155,6 +170,7 @@ def _go_on() -> None:
     except Exception as error:  # a timer that fails is not called again
         _lines[:] = [last_guard.line(error)]
         _work = None
+    _ended = time.monotonic()
 
 
 class SKYLIGHT_OT_stop_light(bpy.types.Operator):

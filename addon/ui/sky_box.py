@@ -17,10 +17,9 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     world = context.scene.world
     if not is_chosen(world):
         box.label(text="Sky", icon="WORLD")
-        row = box.row(align=True)
-        row.scale_y = 1.4
-        row.operator("skylight.load_sky", text="Load Sky...", icon="FILEBROWSER")
-        row.operator("skylight.use_world", text="Use My World")
+        column = box.column(align=True)
+        column.operator("skylight.load_sky", text="Load Sky HDRI...", icon="FILEBROWSER")
+        column.operator("skylight.use_world", text="Use My World")
         return
     try:
         seen = hdri.sky_of(world)

@@ -115,7 +115,7 @@ def test_esc_and_undo(equipped):
     """Esc ends a bake and leaves nothing of it; one Ctrl-Z takes back one click, redo brings it."""
     with Window(equipped) as window:
         window.press_tab("Skylight")
-        window.press("Load Sky...")
+        window.press("Load Sky HDRI...")
         window.press("sky.exr", times=2)
         window.find("Sky: sky.exr")
         window.press("Make Everything Spectral")
@@ -152,15 +152,15 @@ def test_the_light_follows(equipped):
         window.ask("bpy.ops.mesh.primitive_plane_add(size=12, location=(0, 0, -1))")
         window.ask("bpy.context.object.data.materials.append(bpy.data.materials['Material'])")
         window.press_tab("Skylight")
-        window.press("Load Sky...")
+        window.press("Load Sky HDRI...")
         window.press("sky.exr", times=2)
         window.find("Sky: sky.exr")
         window.press("Make Everything Spectral")
-        window.wait("light('Plane') is not None and not following()", 60)
+        window.wait("light('Plane') is not None and not following()", 240)  # shaders compile
         first = window.ask("light('Plane')")
         window.ask("setattr(bpy.data.objects['Cube'], 'location', (0, 0, 2))")
         window.wait("following()", 20)
-        window.wait("not following()", 60)
+        window.wait("not following()", 120)
         lifted = window.ask("light('Plane')")
         assert lifted > 1.02 * first  # the cube hides less of the sky
         window.hover(window.box("WINDOW"))
