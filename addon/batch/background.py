@@ -10,17 +10,20 @@ import tempfile
 from pathlib import Path
 from typing import IO, Any
 
-from .run_status import STATUS
+from .owner import STATUS, check_links, check_owner
 
 
 class Background:
     """`batch run` of a study, started at once.
 
     ``blender``: the executable in which the add-on is enabled; without one, this Python with bpy.
+    Raises InputError where ``out`` is not the study's.
     """
 
     def __init__(self, study: Path, out: Path, blender: str = "", workers: int = 0) -> None:
         self.out = out
+        check_links(out)
+        check_owner(study, out)
         (out / STATUS).unlink(missing_ok=True)
         arguments = ["batch", "run", str(study)]
         arguments += ["--workers", str(workers)] if workers else []

@@ -6,12 +6,16 @@ known to be a study's, and links out of the folder are not followed.
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterator
 from pathlib import Path
 
 from ..errors import InputError
 from ..scene.output import plan_data
+from .task import sources
 
 PLAN = "plan.jsonl"
+STATUS = "status.json"
 REPORTS = ("report.html", "report.json", "results.jsonl")
 """What stands beside a plan and never without one."""
 
@@ -32,9 +36,8 @@ def check_owner(study: Path, out: Path) -> None:
     """
     cure = 'choose another "out"'
     if not (out / PLAN).exists():
-        for name in REPORTS:
-            if (out / name).exists():
-                raise InputError(out, f"its {name} is of no study and would be written over", cure)
+        for name in _written(out):
+            raise InputError(out, f"its {name} is of no study and would be written over", cure)
         return
     try:
         other = (out / plan_data.header(out / PLAN)["study"]).resolve()
@@ -42,6 +45,24 @@ def check_owner(study: Path, out: Path) -> None:
         raise InputError(out / PLAN, "is not a plan and would be written over", cure) from None
     if other != study.resolve() and _writes_to(other, out):
         raise InputError(out, f"belongs to the study {other}", cure)
+
+
+def _written(out: Path) -> Iterator[str]:
+    """Give names of files that stand where no plan does, and are not what a stopped run left."""
+    yield from (name for name in REPORTS if (out / name).exists())
+    if (out / STATUS).exists():
+        try:
+            ours = "state" in json.loads((out / STATUS).read_text(encoding="utf-8"))
+        except (OSError, ValueError, TypeError, RecursionError):
+            ours = False
+        yield from () if ours else (STATUS,)
+    for name, content in sources().items():  # they are copied before the plan is written
+        if (out / name).exists() and not ((out / name).is_file() and _holds(out / name, content)):
+            yield name
+
+
+def _holds(path: Path, content: bytes) -> bool:
+    return path.stat().st_size == len(content) and path.read_bytes() == content
 
 
 def _writes_to(study: Path, out: Path) -> bool:

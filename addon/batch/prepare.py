@@ -19,6 +19,7 @@ from ..scene.output import plan_data
 from ..whole_files import write_json
 from .carry import carry
 from .file_names import file_names
+from .owner import check_links
 from .plan import Prepared, prepared_files
 from .report import record
 from .scenes import SceneFile
@@ -49,6 +50,7 @@ def prepare(
     """
     out = study.out
     (out / FOLDER).mkdir(parents=True, exist_ok=True)
+    check_links(out / FOLDER)
     wanted = list(prepared_files(study, scenes, program))
     open_ = [each for each in wanted if record(out, each.blend) is None]
     place = {id(sky): number for number, sky in enumerate(study.skies)}

@@ -11,9 +11,9 @@ from ..bar import Bar
 from ..errors import InputError
 from ..whole_files import write_json
 from .duration import duration
+from .owner import STATUS
 from .run import Outcome
 
-STATUS = "status.json"
 PAUSE = 0.5
 """[s] between two looks at the file, or writings of it."""
 

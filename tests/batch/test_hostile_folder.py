@@ -11,7 +11,7 @@ import pytest
 
 from spectral_skylight.addon.batch import prepare, report, study
 from spectral_skylight.addon.batch.plan import read_header, read_tasks
-from spectral_skylight.addon.batch.task import SCRIPTS, task_of
+from spectral_skylight.addon.batch.task import SCRIPTS, copy_scripts, task_of
 from spectral_skylight.addon.batch.worker import Worker
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.scene.output import plan_data, render_task
@@ -153,12 +153,15 @@ def test_another_study_s_folder_and_a_person_s_files_are_refused(tmp_path):
     assert study.read_study(second).out == out  # the first writes elsewhere now
     first.unlink()
     assert study.read_study(second).out == out
-    for name in ("report.html", "results.jsonl"):
+    for name in ("report.html", "results.jsonl", "status.json", "report.py", "duration.py"):
         (out / "plan.jsonl").unlink(missing_ok=True)
         (out / name).write_text("mine")
         with pytest.raises(InputError, match=rf"its {name} is of no study"):
             study.read_study(second)
         (out / name).unlink()
+    (out / "status.json").write_text('{"state": "preparing"}')  # as a killed run leaves it
+    copy_scripts(out)
+    assert study.read_study(second).out == out
     (out / "plan.jsonl").write_text("mine")
     with pytest.raises(InputError, match="is not a plan and would be written over"):
         study.read_study(second)
