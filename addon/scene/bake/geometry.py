@@ -46,6 +46,16 @@ class Geometry:
         """The longest edge of the box around all of it, 0 without triangles."""
         return float(np.ptp(self.corners.reshape(-1, 3), axis=0).max()) if len(self.corners) else 0
 
+    @cached_property
+    def _by_owner(self) -> dict[str, NDArray[np.int64]]:
+        order = np.argsort(self.owner, kind="stable")
+        ends = np.cumsum(np.bincount(self.owner, minlength=len(self.owners)))
+        return dict(zip(self.owners, np.split(order, ends[:-1]), strict=True))
+
+    def of(self, owner: str) -> NDArray[np.int64]:
+        """The triangles of an owner, none of an unknown one."""
+        return self._by_owner.get(owner, np.empty(0, np.int64))
+
     @property
     def surfaces(self) -> Surfaces:
         """The triangles as light knows them; their kinds are numbers of `materials`."""
@@ -84,6 +94,7 @@ def gather(depsgraph: bpy.types.Depsgraph) -> Geometry:
     owners: dict[str, int] = {}
     materials: dict[str, int] = {"": 0}
     cache: dict[Any, _Shape] = {}
+    solids: dict[bytes, tuple[NDArray[np.bool_], list[_Shell]]] = {}
     columns: list[list[NDArray]] = [[] for _ in range(6)]
     shells: list[tuple[NDArray, _Shell, NDArray]] = []
     total = 0
@@ -98,7 +109,11 @@ def gather(depsgraph: bpy.types.Depsgraph) -> Geometry:
         key = shown.original.name_full, shown.data.as_pointer() if shown.data else 0
         if key not in cache:
             triangles, slots, names, polygons = _read(shown)
-            cache[key] = _Shape(triangles, slots, names, polygons, *_solid(triangles))
+            # Linked duplicates, and what stands in for instances, have the same triangles.
+            content = triangles.tobytes()
+            if content not in solids:
+                solids[content] = _solid(triangles)
+            cache[key] = _Shape(triangles, slots, names, polygons, *solids[content])
         shape = cache[key]
         if not len(shape.triangles):
             continue

@@ -65,6 +65,17 @@ def all_stand_ins() -> dict[bpy.types.Object, list[bpy.types.Object]]:
     return {root: _sorted(children) for root, children in found.items()}
 
 
+def apart(
+    objects: Sequence[bpy.types.Object],
+) -> tuple[list[bpy.types.Object], list[bpy.types.Object]]:
+    """Return those of some objects that are the user's, and those that stand in for instances."""
+    ours = [modifier_of(obj) is not None for obj in objects]
+    return (
+        [obj for obj, our in zip(objects, ours, strict=True) if not our],
+        [obj for obj, our in zip(objects, ours, strict=True) if our],
+    )
+
+
 def _sorted(children) -> list[bpy.types.Object]:
     found = [child for child in children if modifier_of(child) is not None]
     return sorted(found, key=lambda child: child.name_full)

@@ -103,45 +103,39 @@ def refine(
     tolerance: float,
 ) -> None:
     """Say how often faces are divided, by what triangles of these levels have told."""
-    owners = {name: number for number, name in enumerate(around.owners)}
-    order = np.argsort(around.owner, kind="stable")
-    counts = np.bincount(around.owner, minlength=len(owners))
-    ends = np.cumsum(counts)
     wanted = levels + halvings(DOUBT * bend, tolerance)
     for plan in plans:
-        number = owners.get(plan.obj.name_full, -1)
-        own = order[ends[number] - counts[number] : ends[number]] if number >= 0 else order[:0]
+        own = around.of(plan.obj.name_full)
         if len(own) and around.polygon[own].max() < len(plan.levels):
             np.maximum.at(plan.levels, around.polygon[own], wanted[own])
+    by_light = np.concatenate([plan.levels for plan in plans])
+    lengths = np.concatenate([plan.lengths for plan in plans])
+    managed = np.concatenate([plan.coarse.managed for plan in plans])
+    by_size = np.ceil(np.log2(np.maximum(lengths / (LONGEST * around.size), 1.0)))
     length = LEAST * around.size
     while True:
-        limited = [_limited(plan, around.size, length) for plan in plans]
-        total = sum(float((4.0**each).sum()) for each in limited)
-        if total <= POINTS or length > around.size:
+        most = np.floor(np.log2(np.maximum(lengths / length, 1.0)))
+        limited = np.minimum(np.maximum(by_light, by_size), np.minimum(most, sky_bake.LEVELS))
+        limited = np.where(managed, limited, 0).astype(int)
+        if (4.0**limited).sum() <= POINTS or length > around.size:
             break
         length *= 1.25
-    for plan, each in zip(plans, limited, strict=True):
-        plan.levels = each
-
-
-def _limited(plan: Plan, size: float, length: float) -> NDArray[np.int64]:
-    """A plan's levels (f,) in a scene of this size where no face is divided to less than this."""
-    by_size = np.ceil(np.log2(np.maximum(plan.lengths / (LONGEST * size), 1.0)))
-    most = np.floor(np.log2(np.maximum(plan.lengths / length, 1.0)))
-    levels = np.minimum(np.maximum(plan.levels, by_size), np.minimum(most, sky_bake.LEVELS))
-    return np.where(plan.coarse.managed, levels, 0).astype(int)
+    ends = np.cumsum([len(plan.levels) for plan in plans])
+    for plan, own in zip(plans, np.split(limited, ends[:-1]), strict=True):
+        plan.levels = own
 
 
 def lay_out(plans: Sequence[Plan], around: Geometry, space: Space) -> list[Target]:
     """Divide objects as planned, and return them with their points, by what hides them."""
-    for plan in plans:
+    divided = [plan for plan in plans if plan.levels.any()]
+    for plan in divided:
         storage.write_levels(plan.bake, plan.levels, plan.split & (plan.levels > 0))
-    owners = {name: number for number, name in enumerate(around.owners)}
+    found = dict(zip(map(id, divided), storage.evaluated([p.obj for p in divided]), strict=True))
     targets = []
-    found = storage.evaluated([plan.obj for plan in plans])
-    for plan, fine in zip(plans, found, strict=True):
+    for plan in plans:
+        fine = found.get(id(plan), plan.coarse)
         assert fine is not None  # it had faces just now
-        own = np.flatnonzero(around.owner == owners.get(plan.obj.name_full, -1))
+        own = around.of(plan.obj.name_full)
         loose = np.zeros(len(plan.levels), bool)
         polygon = around.polygon[own]
         inside = polygon < len(loose)

@@ -8,19 +8,24 @@ whose surroundings have changed.
 from __future__ import annotations
 
 from collections.abc import Collection, Generator
+from functools import partial
 
 import bpy
 import numpy as np
 
 from ... import tags
 from ...grouping import grouped
-from ...progress import Progress
+from ...progress import Progress, mapped
 from . import geometry, instance_proxies, session, storage, surroundings
 from . import light as light_of_scene
 
 SHAPES = {"MESH", "CURVE", "SURFACE", "FONT"}
 """Kinds of objects that can have the modifier. For instances of collections objects of ours stand
 in (`instances`); metaballs, and what faces, vertices and particles instance, keep the open sky."""
+
+
+LATER = 400
+"""Instances from how many on they are baked after all else."""
 
 
 def is_managed(obj: bpy.types.Object) -> bool:
@@ -102,8 +107,7 @@ def bake(
         What shines, and what materials do; None: an even sky of radiance 1 on white faces, and
         nothing sent from one to the other.
     rays
-        From each point at last; None: as many as take some seconds, 128 to 2048, without `embreex`
-        64 to 256.
+        From each point at last; None: as its light asks for, see `passes`.
     tolerance
         How far light in the middle of a cell may be from what those around it tell, as a part.
     changed_only
@@ -111,29 +115,47 @@ def bake(
     slow
         Without `embreex` also where it is installed.
     """
-    chosen, lines = _real(targets() if objects is None else objects)
-    if changed_only and chosen:
-        chosen = _stale(chosen)
-    refused = {obj: _hindrance(obj) for obj in chosen}
-    lines += grouped(((f'"{obj.name}"', why) for obj, why in refused.items() if why), "object")
-    chosen = [obj for obj in chosen if not refused[obj]]
+    real, empties, lines = _real(targets() if objects is None else objects)
+    own, others = instance_proxies.apart(real)
+    # Of many instances first all else has a light: what they hide and send counts for it already.
+    many = len(empties) + len(others) > LATER and bool(own)
+    stages = [(own, []), (others, empties)] if many else [(real, empties)]
     done = 0
     try:
-        if chosen:
-            shining = light or light_of_scene.Light()
-            said, done = yield from session.baking(chosen, shining, rays, tolerance, slow)
+        for number, (some, spread) in enumerate(stages):
+            chosen = some + (instance_proxies.spread(spread, is_managed) if spread else [])
+            if changed_only and chosen:
+                chosen = _stale(chosen)
+            refused = {obj: why for obj in chosen if (why := _hindrance(obj))}
+            lines += grouped(((f'"{obj.name}"', why) for obj, why in refused.items()), "object")
+            chosen = [obj for obj in chosen if obj not in refused]
+            if not chosen:
+                continue
+            first_only = number + 1 < len(stages)
+            how = session.How(rays, tolerance, slow, first_only)
+            work = session.baking(chosen, light or light_of_scene.Light(), how)
+            said, count = yield from mapped(work, partial(_part, number, len(stages)))
             lines += said
+            done += count
     finally:
         _gather()
     return [*lines, *_left_open(), f"{done} object(s) baked"]
 
 
+def _part(number: int, stages: int, step: Progress) -> Progress:
+    """How far a step of one of some stages is in all of them; the first of two is a tenth."""
+    if stages == 1:
+        return step
+    return Progress(0.1 * step.done if number == 0 else 0.1 + 0.9 * step.done, step.line)
+
+
 def _real(
     objects: Collection[bpy.types.Object],
-) -> tuple[list[bpy.types.Object], list[str]]:
-    """Objects with stand-ins for the instances of Empties among them, and lines to say."""
+) -> tuple[list[bpy.types.Object], list[bpy.types.Object], list[str]]:
+    """Objects that can be baked themselves, Empties of whose instances others can, and lines."""
     real: list[bpy.types.Object] = []
-    empties, linked = [], []
+    empties: list[bpy.types.Object] = []
+    linked = []
     there = instance_proxies.all_stand_ins()
     for obj in objects:
         if instance_proxies.instances_of(obj, there.get(obj, ())) is None:
@@ -144,8 +166,7 @@ def _real(
             linked.append(
                 (f'"{obj.name}"', "linked from another file: the open sky lights its instances")
             )
-    lines = grouped(linked, "object")
-    return (real + instance_proxies.spread(empties, is_managed) if empties else real), lines
+    return real, empties, grouped(linked, "object")
 
 
 def _gather() -> None:
@@ -213,8 +234,10 @@ def relighting(light: light_of_scene.Light) -> Generator[Progress, None, list[st
 
 def _stale(objects: Collection[bpy.types.Object]) -> list[bpy.types.Object]:
     """Those of some objects without a bake, or whose bake is not of what they see now."""
-    around = geometry.gather(bpy.context.evaluated_depsgraph_get())
     lit = {obj.name_full: bake for obj in objects if (bake := storage.lit_bake_of(obj)) is not None}
+    if not lit:
+        return list(objects)
+    around = geometry.gather(bpy.context.evaluated_depsgraph_get())
     changed = surroundings.changed(lit, surroundings.signatures(around), around.size)
     return [obj for obj in objects if obj.name_full not in lit or obj.name_full in changed]
 

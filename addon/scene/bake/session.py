@@ -53,17 +53,26 @@ class _Session:
         return {target.name for target in self.collected.receivers.targets}
 
 
+@dataclass(frozen=True)
+class How:
+    """How to bake: see `scene_bake.bake`; ``first_only``: no more than a first light."""
+
+    rays: int | None
+    tolerance: float
+    slow: bool
+    first_only: bool = False
+
+
 _last: list[_Session] = []
 
 
 def baking(
     objects: Sequence[bpy.types.Object],
     light: Light,
-    count: int | None,
-    tolerance: float,
-    slow: bool,
+    how: How,
 ) -> Generator[Progress, None, tuple[list[str], int]]:
     """Lay out and light objects; return lines to say and how many are baked."""
+    count, slow = how.rays, how.slow
     _last.clear()
     kept = [storage.ensure(obj) for obj in objects]
     for obj, bake in zip(objects, kept, strict=True):
@@ -90,7 +99,7 @@ def baking(
         coarse.solve(light.sky, np.zeros_like(coarse.E))
         bend = np.zeros(len(levels))
         np.maximum.at(bend, triangle, layout.bends(coarse))
-        layout.refine(plans, around, bend, levels, tolerance)
+        layout.refine(plans, around, bend, levels, how.tolerance)
         targets = layout.lay_out(plans, around, space)
         own = set(objects)
         others = [obj for obj in bpy.data.objects if obj not in own and storage.is_lit(obj)]
@@ -107,10 +116,15 @@ def baking(
             yield Progress(0.2 + 0.05 * done, points)
         before = passes.found(collected, shading)
         _write(session, before[0])
-        surroundings.remember({plan.obj.name_full: plan.bake for plan in plans}, found)
+        # Others that were baked before now have the light of what stands here too.
+        lit = {plan.obj.name_full: plan.bake for plan in plans}
+        lit |= {obj.name_full: storage.bake_of(obj) for obj in others}
+        surroundings.remember(lit, found)
         yield Progress(0.25, "a first light")
+        if how.first_only:
+            return lines, len(plans)
         # With what lamps light, which is stored nowhere, but sent on from there.
-        finer = layout.finer(parts, of_parts, layout.bends(coarse), tolerance, PATCHES[1])
+        finer = layout.finer(parts, of_parts, layout.bends(coarse), how.tolerance, PATCHES[1])
         space = Space(Cells.of(parts, finer, layout.SMALL * around.size), matter, slow)
         del coarse, session
         radiosity = Radiosity(space)
@@ -119,8 +133,8 @@ def baking(
         collected = Collected(receivers, space)
         session = _Session(0, around.origin, around.materials, radiosity, collected)
         shading = _shading(session, light)
-        how = slow if count is None else None
-        for done, colours in passes.collect(collected, shading, each[1:], before, how):
+        speed = slow if count is None else None
+        for done, colours in passes.collect(collected, shading, each[1:], before, speed):
             if colours is not None:
                 _write(session, colours)
             yield Progress(0.6 + 0.4 * done, points)
@@ -225,6 +239,8 @@ def _write(session: _Session, colours: NDArray[np.float32]) -> None:
 
 def _kept_targets(objects: Sequence[bpy.types.Object], around: geometry.Geometry) -> list[Target]:
     """Objects as they were laid out before."""
+    if not objects:
+        return []
     targets = []
     for obj, fine in zip(objects, storage.evaluated(objects), strict=True):
         bake = storage.bake_of(obj)

@@ -139,6 +139,8 @@ class Fine:
 
 def evaluated(objects: Sequence[bpy.types.Object]) -> list[Fine | None]:
     """The faces of objects after their modifiers, ours the last; None for those without a face."""
+    if not objects:
+        return []
     bpy.context.view_layer.update()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     made = {}
