@@ -17,8 +17,10 @@ class SKYLIGHT_OT_load_sky(operator.Thin, bpy.types.Operator):
         name="Sky HDRI", description="OpenEXR or Radiance, lat-long (2:1)", subtype="FILE_PATH"
     )
     filter_glob: bpy.props.StringProperty(default="*.exr;*.hdr", options={"HIDDEN"})
+    display_type: operator.thumbnails()
 
     def invoke(self, context, event):
+        self.filepath = operator.folder()
         return operator.browse(self, context)
 
     def run(self, context):

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import time
 from collections.abc import Generator, Iterable, Iterator
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -159,6 +161,24 @@ def of_light(scene: bpy.types.Scene) -> list[tuple[str, str]]:
     if found is None:
         return []
     return [*(("WARNING", line) for line in found.warnings), ("INFO", out_of_date.caption(scene))]
+
+
+def folder() -> str:
+    """Where a file browser opens: beside the blend file, its name not in the field of the file's.
+
+    At home as long as nothing is saved.
+    """
+    path = Path(bpy.data.filepath).parent if bpy.data.filepath else Path.home()
+    return f"{path}{os.sep}"
+
+
+def thumbnails() -> Any:
+    """The property by which Blender's file browser opens with pictures (`eFileDisplayType`)."""
+    return bpy.props.EnumProperty(
+        items=(("DEFAULT", "Default", "", 0), ("THUMBNAIL", "Thumbnails", "", 3)),
+        default="THUMBNAIL",
+        options={"HIDDEN"},
+    )
 
 
 def browse(operator: bpy.types.Operator, context: bpy.types.Context) -> set[str]:

@@ -142,7 +142,7 @@ def test_linked_and_overridden_materials_are_skipped(library, tmp_path):
     with pytest.raises(InputError, match='"Theirs": is linked from'):
         use_cases.update(scene, SETTINGS, [theirs])
     update(scene)
-    scene.world = take(library, True, worlds=["Skylight"])
+    scene.world = take(library, True, worlds=["sky1"])
     ours = bpy.data.materials["Brick"]
     use_cases.make_spectral(scene, {ours: BRICK}, SETTINGS)
     assert spectral_material.managed(ours).world == scene.world

@@ -73,7 +73,7 @@ def reload(folder):
 
 def test_the_world_comes_back_after_saving(scene, tmp_path):
     use_cases.load_sky(scene, sky(tmp_path, 1), Settings(occlusion="open"))
-    assert scene.world.name == "Skylight"
+    assert scene.world.name == "sky1"
     scene = reload(tmp_path)
     assert "Dusk" in bpy.data.worlds
     use_cases.make_spectral(scene, {bpy.data.materials["Paint"]: GREY}, Settings(occlusion="open"))
@@ -124,7 +124,7 @@ def test_a_world_chosen_since_stays(scene, tmp_path):
     use_cases.load_sky(scene, sky(tmp_path, 1), Settings(occlusion="open"))
     scene.world = bpy.data.worlds.new("Noon")
     use_cases.remove_all()
-    assert scene.world.name == "Noon" and "Skylight" not in bpy.data.worlds
+    assert scene.world.name == "Noon" and "sky1" not in bpy.data.worlds
 
 
 def test_a_scene_without_a_world_keeps_the_sky(scene, tmp_path):
@@ -135,8 +135,8 @@ def test_a_scene_without_a_world_keeps_the_sky(scene, tmp_path):
     use_cases.load_sky(scene, sky(tmp_path, 1), Settings(occlusion="open"))
     use_cases.make_spectral(scene, {bpy.data.materials["Paint"]: GREY}, Settings(occlusion="open"))
     use_cases.remove_all()
-    assert scene.world.name == "Skylight"
-    own = {"worlds": {"Skylight"}, "images": {"sky1.exr"}}
+    assert scene.world.name == "sky1"
+    own = {"worlds": {"sky1"}, "images": {"sky1.exr"}}
     assert whole() == ({**before, **own}, set())
     assert not clear.is_anything_ours()
 

@@ -158,7 +158,7 @@ def test_pixels_are_the_files_packed_external_and_linked(scene, tmp_path):
     for library in ("packed.blend", "external.blend"):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         with bpy.data.libraries.load(str(tmp_path / library), link=True) as (_, wanted):
-            wanted.worlds = ["Skylight"]
+            wanted.worlds = ["sky1"]
         linked = worlds.sky_of(bpy.data.worlds[0]).image
         assert linked.library is not None
         np.testing.assert_array_equal(panorama.pixels_of(linked), truth)

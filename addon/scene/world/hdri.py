@@ -207,7 +207,7 @@ def undevelop(world: bpy.types.World) -> None:
 
 
 def _new_world(image: bpy.types.Image) -> bpy.types.World:
-    world = bpy.data.worlds.new("Skylight")
+    world = bpy.data.worlds.new(Path(image.name).stem)  # as a person knows the sky
     nodes.use(world)
     tree = world.node_tree
     tree.nodes.clear()
