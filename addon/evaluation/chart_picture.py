@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -10,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from .chart import Row, front
-from .charts import new_figure, write
+from .charts import in_words, new_figure, write
 
 FLOOR = 0.01
 """Mean CIEDE2000 that smaller ones are drawn at."""
@@ -27,11 +28,11 @@ _COLOURS = {
     "walls": "#1f6fb4",
 }
 _PANELS = {
-    "Materials: what becomes of the light of a pixel": ("material",),
-    "Light: what a face gets of the sky": ("light", "walls"),
+    "Materials: reflected light of a pixel": ("material",),
+    "Light: irradiance of a face": ("light", "walls"),
 }
 _BARS = {
-    "sun": "The sun's light",
+    "sun": "Sunlight",
     "ground": "Light from the ground",
     "glass": "Light through tinted glass",
     "lamp": "Lamps",
@@ -77,8 +78,8 @@ def _panel(axis: Any, title: str, rows: Sequence[Row]) -> tuple[list[_Point], li
     points, lines = [], []
     axis.set(xscale="log", yscale="log")
     axis.set_title(title, loc="left", fontsize=12)
-    axis.set_xlabel("ns per shaded pixel: processor time, vectorised numpy")
-    axis.set_ylabel("mean CIEDE2000")
+    axis.set_xlabel("Processor time per shaded pixel [ns], vectorized NumPy")
+    axis.set_ylabel("Mean color error (CIEDE2000)")
     axis.axhspan(1e-6, 1.0, color="#15803c", alpha=0.05, linewidth=0)
     axis.grid(True, which="major", color="#e8e8e8", linewidth=0.8)
     axis.set_axisbelow(True)
@@ -88,7 +89,7 @@ def _panel(axis: Any, title: str, rows: Sequence[Row]) -> tuple[list[_Point], li
         colour = _COLOURS["walls" if row.kind == "walls" else row.family]
         axis.plot(x, max(mean, FLOOR), zorder=3, **_marker(row.kind, row, colour))
         name = f"3x3, {row.name}" if row.family == "3x3" and not row.is_limit else row.name
-        name = name.replace(" and ", " + ").removesuffix(" known")
+        name = in_words(re.sub(",? and ", " + ", name).removesuffix(" known"))
         name += ": exact" if mean < FLOOR / 10 else ""
         points.append((x, max(mean, FLOOR), name, colour))
     for kind in {row.kind: None for row in rows}:
@@ -135,19 +136,22 @@ def _legend(axis: Any, kinds: set[str]) -> None:
     if "material" in kinds:
         place = "upper right"
         signs = [
-            ("o", "#555555", "needs the light's colour, and at most the sun's place"),
-            ("o", "white", "needs more: the light's spectrum, or more channels"),
-            ("X", "white", "limit: fitted to the very answer"),
+            ("o", "#555555", "Needs the color of the light and at most the sun's position"),
+            ("o", "white", "Needs the spectrum of the light or more channels"),
+            ("X", "white", "Limit: fitted to the true colors"),
         ]
     else:
         place = "lower left"
         signs = [
-            ("o", _COLOURS["light"], "open sky"),
-            ("D", _COLOURS["walls"], "in a street, its light grey walls as high as it is wide"),
+            ("o", _COLOURS["light"], "Open sky"),
+            ("D", _COLOURS["walls"], "Street with light gray walls, as high as it is wide"),
         ]
     handles = [Line2D([], [], **ink, marker=m, markerfacecolor=fill) for m, fill, _ in signs]
     handles.append(Line2D([], [], color="#999999", linewidth=1.3))
-    labels = [*(label for *_, label in signs), "Pareto front: nothing is both faster and nearer"]
+    labels = [
+        *(label for *_, label in signs),
+        "Pareto front: no method is both faster and more accurate",
+    ]
     axis.legend(handles, labels, loc=place, frameon=False, fontsize=8.5)
 
 
@@ -156,7 +160,7 @@ def _bars(axis: Any, kind: str, rows: Sequence[Row]) -> None:
     means = [float(row.errors.delta_E.mean()) for row in rows]
     for place, (row, mean) in enumerate(zip(rows, means, strict=True)):
         axis.barh(place, mean, height=0.34, color=_COLOURS[row.family])
-        name = row.name.removesuffix(" in Rec.709")
+        name = in_words(row.name.removesuffix(" in Rec.709"))
         axis.text(0.0, place - 0.22, name, va="bottom", fontsize=8.5, color="#444444")
         text = f"{mean:.2f}" if mean > FLOOR / 10 else "exact"
         axis.text(mean + 0.01 * max(means), place, text, va="center", fontsize=9, weight="bold")
@@ -179,7 +183,7 @@ def _strip(axis: Any, eevee: Mapping[str, tuple[float, str]]) -> None:
     # The remarks want two fifths of the width, however long the bars.
     axis.set(xlim=(0, column / 0.6), ylim=(len(eevee) - 0.5, -0.5), xticks=[])
     axis.tick_params(left=False)
-    axis.set_title("Eevee: time of one sample over that of plain Diffuse", loc="left", fontsize=12)
+    axis.set_title("Eevee: time of a sample relative to Diffuse", loc="left", fontsize=12)
     axis.axvline(1.0, color="#999999", linewidth=0.8, zorder=0)
     axis.spines[:].set_visible(False)
 

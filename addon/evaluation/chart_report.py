@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from .chart import AIRS, FullSky, Row, front, whole
 from .chart_picture import draw
+from .charts import in_words
 from .day import FACE_NAMES
 from .evaluation import Errors
 from .light_methods import LIGHT_METHODS
@@ -110,10 +111,10 @@ def _in_eevee(name: str, skies: list[FullSky], rho: NDArray[np.float64]) -> Erro
 
 def _remark(name: str, errors: Errors | None) -> str:
     if errors is None:
-        return "shows nothing of the sky"
+        return "Does not show the sky"
     light, method = _IN_EEVEE[name]
     shading = method if method == _TODAY else f"3x3 {method}"
-    return f"{light}, {shading}: mean CIEDE2000 {errors.delta_E.mean():.2g}"
+    return in_words(f"{light}, {shading}: mean color error {errors.delta_E.mean():.2g}")
 
 
 def _caption(skies: list[FullSky], rho: NDArray[np.float64], made: Mapping[str, Any]) -> list[str]:
@@ -123,15 +124,15 @@ def _caption(skies: list[FullSky], rho: NDArray[np.float64], made: Mapping[str, 
     suns = ", ".join(f"{elevation:g}" for elevation in elevations)
     blender = f", Blender {made['blender']}" if made["blender"] else ""
     return [
-        f"Against full spectra: {len(skies)} simulated skies (sun at {suns}°; "
-        f"{' and '.join(AIRS)} air), without the sun's disc; {len(FACE_NAMES)} faces, "
-        f"{len(rho)} materials. Left: the light is exact. Right: the materials are.",
-        "Below: light of one spectrum, by what is known of it; of "
-        f"{', '.join(GROUNDS)}; of {', '.join(GLASSES)} glass; of the lamps {', '.join(LAMPS)}. "
-        "Of live suns the sum is timed, not their shadows.",
-        "Own white and prefiltered RGB are told the spectrum of the light on level ground. "
-        "The basis atmosphere rests on skies of the same simulation, with other air; what is "
-        "known of the sky stands behind it.",
+        f"Compared with full spectra under {len(skies)} simulated skies (sun at {suns}°; "
+        f"{' and '.join(AIRS)} air) without the sun's disc, for {len(FACE_NAMES)} faces and "
+        f"{len(rho)} materials. Left: the light is exact. Right: the materials are exact.",
+        "Below: light with one spectrum. The names tell what is known of it. Ground: "
+        f"{', '.join(GROUNDS)}. Glass: {in_words(', '.join(GLASSES))}. Lamps: {', '.join(LAMPS)}. "
+        "The time of live suns includes their sum, not their shadows.",
+        "Own white and prefiltered RGB use the spectrum of the light on level ground. The basis "
+        "atmosphere is made from skies of the same simulation with other air. Its name tells "
+        "what is known of the sky.",
         f"{made['date']}, {made['processor']}, {made['cores']} cores, {made['system']}, "
-        f"Python {made['python']}, numpy {made['numpy']}{blender}",
+        f"Python {made['python']}, NumPy {made['numpy']}{blender}",
     ]

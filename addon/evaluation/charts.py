@@ -44,12 +44,14 @@ def basis_functions(stem: Path, bases: Mapping[str, NDArray[np.float64]]) -> lis
         for values, colour, channel in zip(functions.T, _CHANNELS, "rgb", strict=True):
             axis.plot(WAVELENGTHS, values, color=colour, label=f"$s_{channel}$")
         axis.axhline(0.0, color="#bbbbbb", linewidth=0.8, zorder=0)
-        axis.set(title=name, xlabel="wavelength [nm]", xlim=(380, 780))
+        axis.set(title=in_words(name), xlabel="Wavelength [nm]", xlim=(380, 780))
     # At the dark ends, which the eye hardly sees, some grow large.
     middle = (WAVELENGTHS >= 420) & (WAVELENGTHS <= 680)
     shown = np.stack([functions[middle] for functions in bases.values()])
     margin = 0.15 * np.ptp(shown)
-    axes[0].set(ylabel="per unit of channel", ylim=(shown.min() - margin, shown.max() + margin))
+    axes[0].set(
+        ylabel="Spectrum per unit of a channel", ylim=(shown.min() - margin, shown.max() + margin)
+    )
     axes[0].legend(frameon=False)
     return write(figure, stem)
 
@@ -65,11 +67,11 @@ def error_over_day(stem: Path, days: Mapping[str, tuple[Day, Sequence[Errors]]])
         for method in errors:
             relative = method.relative.reshape(len(day.hours), len(FACE_NAMES), -1)[:, 0, 0]
             style = _STYLES.get(method.method, _OTHER)
-            axis.semilogy(day.hours, relative, marker=".", label=method.method, **style)
+            axis.semilogy(day.hours, relative, marker=".", label=in_words(method.method), **style)
         axis.axhline(0.01, color="#333333", linewidth=0.8, linestyle=":")
-        axis.set(title=caption, xlabel="hour", xticks=range(0, 25, 3))
+        axis.set(title=f"Sky: {caption}", xlabel="Local time [h]", xticks=range(0, 25, 3))
         axis.set_xlim(day.hours[0] - 0.5, day.hours[-1] + 0.5)
-    axes[0].set_ylabel("relative error, patch 1, face up")
+    axes[0].set_ylabel("Relative error of patch 1, face up")
     _legend_below(figure, axes[0])
     return write(figure, stem)
 
@@ -88,7 +90,7 @@ def table(stem: Path, patches: Sequence[str], errors: Sequence[Errors], title: s
             axis.text(
                 column, row, f"{value:.4f}", ha="center", va="center", fontsize=6, color=colour
             )
-        axis.set_title(method.method, fontsize=9)
+        axis.set_title(in_words(method.method), fontsize=9)
         axis.set_xticks(range(len(FACE_NAMES)), FACE_NAMES, rotation=60, ha="right", fontsize=7)
         axis.set_yticks(range(len(patches)), patches, fontsize=7)
     figure.suptitle(title, fontsize=10)
@@ -102,11 +104,12 @@ def distribution(stem: Path, errors: Sequence[Errors], title: str) -> list[Path]
     share = np.linspace(0.0, 100.0, 400)
     for method in errors:
         values = np.percentile(method.delta_E, share)
-        label = f"{method.method}: mean {method.delta_E.mean():.2f}"
+        label = f"{in_words(method.method)}: mean {method.delta_E.mean():.2f}"
         style = _STYLES.get(method.method, _OTHER)
         axis.plot(np.maximum(values, 1e-3), share, label=label, **style)
     axis.axhline(95.0, color="#333333", linewidth=0.8, linestyle=":")
-    axis.set(xscale="log", xlabel="CIEDE2000", ylabel="% of lights and materials", title=title)
+    axis.set(xscale="log", xlabel="Color error (CIEDE2000)", title=title)
+    axis.set_ylabel("Lights and materials with a smaller error [%]")
     axis.set_xlim(left=0.01)
     _legend_below(figure, axis)
     return write(figure, stem)
@@ -115,6 +118,11 @@ def distribution(stem: Path, errors: Sequence[Errors], title: str) -> list[Path]
 def by_face(method: Errors) -> NDArray[np.float64]:
     """Return the relative errors over a day as (t, 9, m)."""
     return method.relative.reshape(-1, len(FACE_NAMES), method.relative.shape[1])
+
+
+def in_words(name: str) -> str:
+    """Return a method's name as a figure says it."""
+    return name.replace("colour", "color").replace("grey", "gray")
 
 
 def new_figure(width: float, height: float) -> Any:

@@ -59,7 +59,7 @@ def report_day(
         )
         days[air] = day, errors
         stem = out / ("table_paper" if settings["atmosphere"] is PAPER else "table_full")
-        files += charts.table(stem, names, _shown(errors), f"Mean relative error, {air}")
+        files += charts.table(stem, names, _shown(errors), f"Mean relative error. Sky: {air}")
         files.append(_write_table(stem.with_suffix(".csv"), day, names, errors))
         skies[air] = {
             "hours": day.hours.tolist(),

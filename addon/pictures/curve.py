@@ -104,14 +104,14 @@ def _axes(canvas: Canvas, theme: Theme, top: float) -> None:
 
 def _key(canvas: Canvas, theme: Theme, sky: bool, held: bool, estimated: bool) -> None:
     """Say what the lines are."""
-    words = "reflectance, estimated" if estimated else "reflectance"
+    words = "Reflectance (estimated)" if estimated else "Reflectance"
     x = _sample(canvas, theme.ink, LEFT, 31.0, words, 3.6, _ESTIMATED if estimated else None)
     if held and not estimated:
-        _sample(canvas, theme.ink, x, 31.0, "not measured", 3.6, _HELD)
+        _sample(canvas, theme.ink, x, 31.0, "Not measured", 3.6, _HELD)
     if sky:
-        x = _sample(canvas, theme.sky, LEFT, 63.0, "sky's light", 2.2)
+        x = _sample(canvas, theme.sky, LEFT, 63.0, "Skylight", 2.2)
         canvas.area(np.linspace(x, x + 30, 41), 48, 63, spectral_colours()[14:55], 0.8)
-        canvas.text(x + 40, 63, "of it reflected", _TEXT, theme.sky)
+        canvas.text(x + 40, 63, "Reflected light", _TEXT, theme.sky)
 
 
 def _sample(

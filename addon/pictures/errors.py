@@ -36,16 +36,16 @@ def errors(
     known = np.nan_to_num([today, ours])
     longest = max(float(known.max(initial=0.0)), 1.2 * JUST_NOTICEABLE)
     unit = (RIGHT - LEFT) / longest
-    canvas.text(16, 31, "expected CIEDE2000", _TEXT, theme.ink)
+    canvas.text(16, 31, "Expected color error (CIEDE2000)", _TEXT, theme.ink)
     x = 16.0
-    for label, shade in (("RGB × RGB", theme.today), ("spectral", theme.ours)):
+    for label, shade in (("RGB × RGB", theme.today), ("Spectral", theme.ours)):
         canvas.rectangle(x, 45, x + 14, 59, shade)
         x += 50.0 + canvas.text(x + 22, 59, label, _TEXT, theme.ink)
     noticeable = LEFT + unit * JUST_NOTICEABLE
     canvas.rectangle(
         noticeable - 0.6, TOP - 8, noticeable + 0.6, canvas.height - 10, theme.faint, 0.6
     )
-    canvas.text(noticeable, TOP - 14, "just noticeable", _TEXT - 3, theme.faint, 0.5)
+    canvas.text(noticeable, TOP - 14, "Just noticeable", _TEXT - 3, theme.faint, 0.5)
     for place, k in enumerate(np.argsort(-known[0], kind="stable")):
         y = TOP + ROW * place
         canvas.text(LEFT - 10, y + 25, names[k], _TEXT, theme.ink, 1.0, room=LEFT - 26)

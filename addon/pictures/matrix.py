@@ -44,7 +44,7 @@ def matrix(
     canvas = Canvas(SIZE, SIZE, scale, theme.paper)
     for place, (name, colour) in enumerate(_CHANNELS.items()):
         x, y = centre(place, place)
-        canvas.text(x, TOP - 14, f"sky {name}", _TEXT, colour, 0.5)
+        canvas.text(x, TOP - 14, f"Sky {name}", _TEXT, colour, 0.5)
         canvas.text(LEFT - 34, y + 8, name, _TEXT, colour, 0.5)
     for (row, column), value in np.ndenumerate(M):
         x, y = centre(row, column)
@@ -64,7 +64,7 @@ def matrix(
 def _legend(canvas: Canvas, theme: Theme, today: bool) -> None:
     """Say what colours and outlines are."""
     x, y = LEFT, SIZE - 32.0
-    for word, shade in (("adds", theme.plus), ("takes away", theme.minus)):
+    for word, shade in (("Positive", theme.plus), ("Negative", theme.minus)):
         canvas.rectangle(x, y, x + 18, y + 18, shade)
         x += 48.0 + canvas.text(x + 26, y + 16, word, _SMALL, theme.ink)
     if today:

@@ -23,8 +23,8 @@ MARKS = {
 }
 """sRGB by kind, told apart by colour-blind people too."""
 
-_WORDS = {SKY: "sky", SUN: "sun", GROUND: "ground", FOREIGN: "no skylight"}
-_FACES = {"up": 0, "north": 5, "east": 6, "south": 7, "west": 8}
+_WORDS = {SKY: "Skylight", SUN: "Sun", GROUND: "Ground", FOREIGN: "Other light"}
+_FACES = {"Up": 0, "North": 5, "East": 6, "South": 7, "West": 8}
 """Faces of a building by their places in `sky.light.FACES`."""
 
 _TEXT = 20.0
@@ -91,7 +91,7 @@ def sky_map(
     for kind, word in _WORDS.items():
         canvas.rectangle(x, 256, x + 18, 274, MARKS[kind])
         x += 46.0 + canvas.text(x + 25, 272, word, _TEXT, theme.ink)
-    canvas.text(12, 301, "light on a face that looks", _TEXT, theme.faint)
+    canvas.text(12, 301, "Share of the light on faces that point", _TEXT, theme.faint)
     first, step = BARS
     for place, (name, face) in enumerate(_FACES.items()):
         y = first + step * place

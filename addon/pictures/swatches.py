@@ -45,7 +45,11 @@ def swatches(
     width = 2 * MARGIN + ACROSS * (WIDTH + GAP) - GAP
     height = TOP + MARGIN + rows * (HEIGHT + _CAPTION + GAP) - GAP
     canvas = Canvas(width, height, scale, theme.paper)
-    said = f"left {captions[0]}, right {captions[1]}" if len(halves) == 2 else captions[1]
+    said = (
+        f"Left: {captions[0]}. Right: {captions[1]}"
+        if len(halves) == 2
+        else f"Colors {captions[1]}"
+    )
     canvas.text(MARGIN, TOP - 18, said, _TITLE, theme.ink)
     for number, name in enumerate(names):
         row, column = divmod(number, ACROSS)

@@ -100,7 +100,7 @@ def test_what_is_estimated_is_dotted_and_said():
     grey = np.full(81, 0.5)
     plain, estimated = curve(grey), curve(grey, estimated=True)
     assert gaps(estimated, curves.place_y(0.5, 1.0), 385, 775) > 30
-    label = np.s_[8:40, 240:360]  # after "reflectance"
+    label = np.s_[8:40, 250:360]  # after "Reflectance"
     assert (plain[label] == byte(DARK.paper)).all()
     assert (estimated[label] != byte(DARK.paper)).mean() > 0.1
 
