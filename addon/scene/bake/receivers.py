@@ -71,7 +71,8 @@ class Target:
 
     name: str
     fine: Fine
-    points: Points
+    points: Points | None
+    """None once it is among `Receivers`."""
     backs: NDArray[np.bool_]
     """(p,), whether light is wanted behind."""
     numbers: dict[float, tuple[NDArray, NDArray]] = field(default_factory=dict)
@@ -90,7 +91,8 @@ class Receivers:
         places, normals, kinds, covers = [], [], [], []
         spans: list[tuple[Target, float, NDArray]] = []
         for target in targets:
-            points = target.points
+            points, target.points = target.points, None
+            assert points is not None
             of_slot = np.array([number.get(name, 0) for name in target.fine.materials], np.int32)
             for side, wanted in ((1.0, points.shown), (-1.0, points.shown & target.backs)):
                 chosen = np.flatnonzero(wanted)

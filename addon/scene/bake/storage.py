@@ -6,6 +6,7 @@ one each. See `node_groups.sky_bake` for how it is laid out.
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -150,6 +151,7 @@ def evaluated(objects: Sequence[bpy.types.Object]) -> list[Fine | None]:
             if instance.object.type == "MESH" and instance.object.original.type != "MESH":
                 made.setdefault(instance.object.original.name_full, instance.object.data)
     found: list[Fine | None] = []
+    known: dict[bytes, Fine] = {}
     for obj in objects:
         shown = obj.evaluated_get(depsgraph)
         mesh = shown.data if obj.type == "MESH" else made.get(obj.name_full)
@@ -159,7 +161,7 @@ def evaluated(objects: Sequence[bpy.types.Object]) -> list[Fine | None]:
         # Of the evaluated mesh, for instances that became real bring their materials along.
         slots = [slot.material for slot in shown.material_slots] if obj.type == "MESH" else []
         materials = slots or list(mesh.materials) or [None]
-        fine = read(mesh, len(materials))
+        fine = read(mesh, len(materials), known)
         fine.materials = [each.name_full if each else "" for each in materials]
         managed = [each is not None and tags.MATERIAL in each for each in materials]
         fine.managed = np.array(managed)[fine.slots]
@@ -167,8 +169,11 @@ def evaluated(objects: Sequence[bpy.types.Object]) -> list[Fine | None]:
     return found
 
 
-def read(mesh: bpy.types.Mesh, materials: int = 1) -> Fine:
-    """The faces of an evaluated mesh with so many materials that came through the modifier."""
+def read(mesh: bpy.types.Mesh, materials: int = 1, known: dict[bytes, Fine] | None = None) -> Fine:
+    """The faces of an evaluated mesh with so many materials that came through the modifier.
+
+    ``known``: others by their content: linked duplicates and instances share what is found.
+    """
     corners, faces = len(mesh.loops), len(mesh.polygons)
     vertex, starts = np.empty(corners, np.int32), np.empty(faces, np.int32)
     slots, coarse = np.empty(faces, np.int32), np.arange(faces, dtype=np.int32)
@@ -181,6 +186,18 @@ def read(mesh: bpy.types.Mesh, materials: int = 1) -> Fine:
     mesh.corner_normals.foreach_get("vector", normals)
     if sky_bake.FACE in mesh.attributes:
         mesh.attributes[sky_bake.FACE].data.foreach_get("value", coarse)
+    digest = hashlib.blake2b(str(materials).encode())
+    for values in (vertex, starts, slots, coarse, places, normals):
+        digest.update(values.tobytes())
+    known = {} if known is None else known
+    if digest.digest() not in known:
+        known[digest.digest()] = _brought(vertex, starts, slots, coarse, places, normals, materials)
+    return replace(known[digest.digest()])
+
+
+def _brought(vertex, starts, slots, coarse, places, normals, materials) -> Fine:
+    """What a mesh's arrays tell, corners brought to points."""
+    corners = len(vertex)
     at, normal = places.reshape(-1, 3)[vertex].astype(float), normals.reshape(-1, 3).astype(float)
     at, normal = np.nan_to_num(at), np.nan_to_num(normal)  # faces without area may have no normal
     step = STEP * (float(np.ptp(at, axis=0).max()) if corners else 0.0) or 1.0

@@ -19,6 +19,9 @@ FAR = 0.02
 """What is smaller, as seen from an object, than this (radius by distance) does not count: it hides
 less than a thousandth of the sky."""
 
+BLOCK = 2**16
+"""Triangles at once: 25 MB."""
+
 STILL = 2e-6
 """Of the scene's size: places are float32, so what moves by less has not moved."""
 
@@ -31,20 +34,26 @@ def signatures(around: Geometry) -> dict[str, NDArray[np.float64]]:
     """
     if not len(around.corners):
         return {}
-    corners = around.corners + around.origin
-    sides = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    areas = np.linalg.norm(np.cross(*sides), axis=1) / 2.0
-    middle = corners.mean(axis=1)
-    # A product's mean over a triangle: a twelfth of its sum over the corners and 9 middles.
-    i, j = np.triu_indices(3)
-    second = (corners[..., i] * corners[..., j]).sum(axis=1) + 9.0 * middle[:, i] * middle[:, j]
-    columns = np.concatenate([middle, second / 12.0], axis=1) * areas[:, None]
     count = len(around.owners)
-    sums = np.stack([np.bincount(around.owner, c, count) for c in (areas, *columns.T)], axis=1)
-    sums[:, 1:] /= np.maximum(sums[:, :1], 1e-30)
+    sums = np.zeros((count, 10))
     low, high = np.full((count, 3), np.inf), np.full((count, 3), -np.inf)
-    np.minimum.at(low, around.owner, corners.min(axis=1))
-    np.maximum.at(high, around.owner, corners.max(axis=1))
+    i, j = np.triu_indices(3)
+    for first in range(0, len(around.corners), BLOCK):
+        owner = around.owner[first : first + BLOCK]
+        corners = around.corners[first : first + BLOCK] + around.origin
+        sides = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+        areas = np.linalg.norm(np.cross(*sides), axis=1) / 2.0
+        middle = corners.mean(axis=1)
+        # A product's mean over a triangle: a twelfth of its sum over the corners and 9 middles.
+        second = 9.0 * middle[:, i] * middle[:, j]
+        for each in range(3):
+            second += corners[:, each, i] * corners[:, each, j]
+        columns = np.concatenate([middle, second / 12.0], axis=1) * areas[:, None]
+        for k, column in enumerate((areas, *columns.T)):
+            sums[:, k] += np.bincount(owner, column, count)
+        np.minimum.at(low, owner, corners.min(axis=1))
+        np.maximum.at(high, owner, corners.max(axis=1))
+    sums[:, 1:] /= np.maximum(sums[:, :1], 1e-30)
     radius = np.linalg.norm(high - low, axis=1, keepdims=True) / 2.0
     rows = np.concatenate([sums, (low + high) / 2.0, radius], axis=1)
     return dict(zip(around.owners, rows, strict=True))
