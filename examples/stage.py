@@ -212,33 +212,48 @@ def _material(name: str, matter: Matter, palette: Palette) -> bpy.types.Material
 
 
 def _pane(tree: bpy.types.NodeTree, colour: np.ndarray, ior: float) -> bpy.types.Node:
-    """Return thin glass: both faces mirror their share, the rest goes straight on, tinted."""
+    """Return thin glass: both faces mirror their share, the rest goes straight on, tinted by the
+    way that it has through the glass (Beer's law), which is longer aslant."""
     one_face = ((ior - 1) / (ior + 1)) ** 2
     mirrored = 2 * one_face / (1 + one_face)
+
+    def maths(operation: str, *values):
+        node = tree.nodes.new("ShaderNodeMath")
+        node.operation = operation
+        for socket, value in zip(node.inputs, values, strict=False):
+            if isinstance(value, bpy.types.NodeSocket):
+                tree.links.new(value, socket)
+            else:
+                socket.default_value = value
+        return node.outputs[0]
+
     # The Fresnel node turns the index round where a face is seen from behind, as if inside glass;
     # a thin pane is the same from both sides.
-    behind = tree.nodes.new("ShaderNodeNewGeometry").outputs["Backfacing"]
+    geometry = tree.nodes.new("ShaderNodeNewGeometry").outputs
     fresnel = tree.nodes.new("ShaderNodeFresnel")
-    side = tree.nodes.new("ShaderNodeMath")
-    side.operation = "MULTIPLY_ADD"
-    tree.links.new(behind, side.inputs[0])
-    side.inputs[1].default_value, side.inputs[2].default_value = 1 / ior - ior, ior
-    tree.links.new(side.outputs[0], fresnel.inputs["IOR"])
+    side = maths("MULTIPLY_ADD", geometry["Backfacing"], 1 / ior - ior, ior)
+    tree.links.new(side, fresnel.inputs["IOR"])
+    along = tree.nodes.new("ShaderNodeVectorMath")
+    along.operation = "DOT_PRODUCT"
+    tree.links.new(geometry["Normal"], along.inputs[0])
+    tree.links.new(geometry["Incoming"], along.inputs[1])
+    squared = maths("POWER", maths("ABSOLUTE", along.outputs["Value"]), 2.0)
+    # 1 / cosine inside by Snell's law, sin² = (1 - cos²) / ior².
+    inside = maths("MULTIPLY_ADD", squared, 1 / ior**2, 1 - 1 / ior**2)
+    path = maths("POWER", inside, -0.5)
+    tint = tree.nodes.new("ShaderNodeCombineXYZ")
+    for socket, value in zip(tint.inputs, (colour / (1 - mirrored)).tolist(), strict=True):
+        tree.links.new(maths("POWER", value, path), socket)
     clear = tree.nodes.new("ShaderNodeBsdfTransparent")
-    clear.inputs["Color"].default_value = (*(colour / (1 - mirrored)).tolist(), 1.0)
+    tree.links.new(tint.outputs[0], clear.inputs["Color"])
     mirror = tree.nodes.new("ShaderNodeBsdfGlossy")
     mirror.inputs["Roughness"].default_value = 0.0
     mirror.inputs["Color"].default_value = (1.0, 1.0, 1.0, 1.0)
     mix = tree.nodes.new("ShaderNodeMixShader")
     # 2 F / (1 + F), the light going to and fro between the faces.
-    twice, more, both = (tree.nodes.new("ShaderNodeMath") for _ in range(3))
-    for node, operation, value in ((twice, "MULTIPLY", 2.0), (more, "ADD", 1.0)):
-        node.operation, node.inputs[1].default_value = operation, value
-        tree.links.new(fresnel.outputs[0], node.inputs[0])
-    both.operation = "DIVIDE"
-    tree.links.new(twice.outputs[0], both.inputs[0])
-    tree.links.new(more.outputs[0], both.inputs[1])
-    tree.links.new(both.outputs[0], mix.inputs[0])
+    one = fresnel.outputs[0]
+    both = maths("DIVIDE", maths("MULTIPLY", one, 2.0), maths("ADD", one, 1.0))
+    tree.links.new(both, mix.inputs[0])
     tree.links.new(clear.outputs[0], mix.inputs[1])
     tree.links.new(mirror.outputs[0], mix.inputs[2])
     return mix

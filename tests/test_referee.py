@@ -175,9 +175,11 @@ def test_a_pane_tints_what_is_behind_it():
     mirrored = (s + p) / 2  # the mean of polarisations first, as renderers do
     mirrored = 2 * mirrored / (1 + mirrored)
     straight = 2 * 0.04 / 1.04
-    in_all = (weights * (1 - mirrored)).sum() / (1 - straight)  # of light from everywhere
+    clear = tau / (1 - straight)  # what the glass leaves of light that goes straight through
+    longer = clear[:, None] ** (1 / inside)
+    in_all = (weights * (1 - mirrored) * longer).sum(axis=1)  # of light from everywhere
     rho = paints.reflectance("red")
     again = 1 - rho * (weights * mirrored).sum()  # to and fro between the floor and the pane
-    exact = bands.S @ (straight * BLUE + tau * rho * tau * in_all / again * BLUE)
+    exact = bands.S @ (straight * BLUE + tau * rho * in_all / again * BLUE)
     # Noise; and bands of a product of three curves.
     np.testing.assert_allclose(middle(verdict.spectral), exact, rtol=0.02)

@@ -26,6 +26,8 @@ class Matter:
     """(m,), panes: what they do not let through is lost."""
     transmittance: NDArray[np.float32]
     """(m, `ANGLES`, 16) of panes, by the cosine within air, 0 to 1 in equal steps."""
+    mirrored: NDArray[np.float32]
+    """(m, `ANGLES`), the part of light that panes mirror, of all bands alike."""
 
 
 ANGLES = 8

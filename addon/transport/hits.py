@@ -83,7 +83,9 @@ class Space:
 
     def met(self, origins: NDArray[np.float32], ways: NDArray[np.float32]) -> Hits:
         """Return what rays (n, rays, 3) meet; ``origins`` as many."""
-        rows, odd, odd_filter = self.trace(origins.reshape(-1, 3), ways.reshape(-1, 3))
+        rows, odd, odd_filter = self.trace(
+            origins.reshape(-1, 3), ways.reshape(-1, 3), mirrors=True
+        )
         odd_rows = rows[odd]
         rows[odd] = self.dark
         rows = rows.reshape(ways.shape[:2])
@@ -120,9 +122,14 @@ class Space:
         origins: NDArray[np.float32],
         ways: NDArray[np.float32],
         reach: NDArray | None = None,
+        mirrors: bool = False,
     ) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int32]]:
-        """Return the rows that rays (n, 3), (n, 3) end in, the numbers of those that went through
-        panes, and through which of `filters`. What lies farther than ``reach`` (n,) is not met."""
+        """Return the rows that rays (n, 3), (n, 3) end in, the numbers of those that have met
+        panes, and which of `filters` they have passed.
+
+        What lies farther than ``reach`` (n,) is not met. ``mirrors``: panes send back as many rays
+        as they mirror light, by chance; else all go on, and that much fainter.
+        """
         cells, count = self.cells, self.cells.patches
         met = self.caster.first_hits(origins, ways)
         met = self._within(met, origins, ways, reach, slice(None))
@@ -142,10 +149,14 @@ class Space:
                 hit, way = met[going], ways[going]
                 normal = cells.normals[hit]
                 slope = np.einsum("nk,nk->n", way, normal)
-                self._filter(passed, going, cells.kind[hit], np.abs(slope))
+                back = self._filter(passed, going, cells.kind[hit], np.abs(slope), mirrors)
                 to = np.einsum("nk,nk->n", cells.corners[hit, 0] - at[going], normal)
-                far = to / np.where(np.abs(slope) < 1e-6, 1e-6, slope) + 4 * self.lift
-                at[going] += far[:, None] * way
+                far = to / np.where(np.abs(slope) < 1e-6, 1e-6, slope)
+                at[going] += (far + np.where(back, -4, 4) * self.lift)[:, None] * way
+                if back.any():
+                    ways = ways.copy()
+                    way = way - (2.0 * back * slope)[:, None].astype(np.float32) * normal
+                    ways[going] = way
                 met[going] = self.caster.first_hits(at[going], way)
                 rows[going] = met[going] = self._within(met[going], origins, ways, reach, going)
                 hit = met[going]
@@ -176,22 +187,31 @@ class Space:
         far = to / np.where(slope == 0.0, 1e-9, slope)
         return np.where((met >= 0) & (far < reach[rays]), met, -1).astype(np.int32)
 
-    def _filter(self, passed, rays, kinds, cosines) -> None:
-        """Note that rays go through what they have met; ``passed`` (n,) is 0 for none, or one more
-        than a number of `filters`."""
-        glass = self.matter.clear[kinds]
-        rays, kinds, cosines = rays[glass], kinds[glass], cosines[glass]
+    def _filter(self, passed, rays, kinds, cosines, mirrors) -> NDArray[np.bool_]:
+        """Note what rays have met goes through or, where ``mirrors``, sends back; return which it
+        does. ``passed`` (n,) is 0 for no pane, or one more than a number of `filters`."""
         step = np.minimum((cosines * ANGLES).astype(np.int64), ANGLES - 1)
-        pair = passed[rays].astype(np.int64) << 32 | (kinds * ANGLES + step)
+        back = np.zeros(len(rays), bool)
+        if mirrors:
+            share = self.matter.mirrored[kinds, step] * self.matter.clear[kinds]
+            back = self._noise.random(len(rays), np.float32) < share
+        glass = self.matter.clear[kinds]
+        pane = (kinds * ANGLES + step) * 3 + np.where(back, 2, int(mirrors))
+        pair = (passed[rays].astype(np.int64) << 32 | pane)[glass]
         for key in np.unique(pair):
-            before, pane = int(key) >> 32, int(key) & 0xFFFFFFFF
-            if (before, pane) not in self._combined:
-                values = self.matter.transmittance[pane // ANGLES, pane % ANGLES]
+            before, which = int(key) >> 32, int(key) & 0xFFFFFFFF
+            if (before, which) not in self._combined:
+                (kind, angle), how = divmod(which // 3, ANGLES), which % 3
+                values = self.matter.transmittance[kind, angle]
+                if how == 1:  # of those that are not sent back
+                    values = values / (1.0 - self.matter.mirrored[kind, angle])
+                values = np.ones_like(values) if how == 2 else values
                 if before:
                     values = values * self.filters[before - 1]
                 self.filters.append(values)
-                self._combined[before, pane] = len(self.filters)
-            passed[rays[pair == key]] = self._combined[before, pane]
+                self._combined[before, which] = len(self.filters)
+            passed[rays[glass][pair == key]] = self._combined[before, which]
+        return back
 
 
 def gather(hits: Hits, table: NDArray[np.float32], filters: NDArray | None = None) -> NDArray:

@@ -46,7 +46,9 @@ def test_a_hundred_thousand_points(benchmark, slow):
     surfaces = Surfaces(corners, none, solid, none)
     grey = np.full((1, COUNT), 0.5, np.float32)
     through = np.ones((1, ANGLES, COUNT), np.float32)
-    matter = Matter(grey, 0 * grey, np.ones(1, np.float32), np.zeros(1, bool), through)
+    matter = Matter(
+        grey, 0 * grey, np.ones(1, np.float32), np.zeros(1, bool), through, through[..., 0]
+    )
     rng = np.random.default_rng(1)
     count = SAMPLE[slow]
     places = np.append(rng.uniform(-50, 50, (count, 2)), np.full((count, 1), 1e-3), axis=1)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from spectral_skylight.addon.transfer import glass
 from spectral_skylight.addon.transport import directions
 from spectral_skylight.addon.transport.bands import COUNT
 from spectral_skylight.addon.transport.cells import ANGLES, Cells, Matter, Surfaces, levels_for
@@ -45,7 +46,7 @@ def ball(rings=40):
     return corners[area > 1e-9]
 
 
-def matter(reflectances, emission=0.0, clear=False, transmittance=1.0, opacity=1.0):
+def matter(reflectances, emission=0.0, clear=False, transmittance=1.0, opacity=1.0, mirrored=0.0):
     """Kinds of surfaces that are grey."""
     count = len(reflectances)
     return Matter(
@@ -54,6 +55,7 @@ def matter(reflectances, emission=0.0, clear=False, transmittance=1.0, opacity=1
         np.full(count, opacity, np.float32),
         np.full(count, clear, bool),
         np.full((count, ANGLES, COUNT), transmittance, np.float32),
+        np.full((count, ANGLES), mirrored, np.float32),
     )
 
 
@@ -153,6 +155,56 @@ def test_a_pane_lets_its_share_through_once_each():
     found = radiosity(corners[:2], leaves, [0, 1], solid=False, cells=0, rays=1024)
     solved(found, WHITE)
     assert found.E[0, 0] == pytest.approx(0.5, abs=0.05)
+
+
+def test_a_pane_keeps_what_it_mirrors():
+    """A white room of 0.8 cut in two by a clear pane shines as without it, by Fresnel's equations:
+    what does not pass is sent back, at whatever angle."""
+    pane = np.array(
+        [[(-1, -1, 0.1), (1, -1, 0.1), (1, 1, 0.1)], [(-1, -1, 0.1), (1, 1, 0.1), (-1, 1, 0.1)]]
+    )
+    of = matter([0.8, 0.0], 1.0)
+    of.emission[1] = 0.0
+    of.clear[1] = True
+    clear = glass.uncoated(np.ones(81), (np.arange(ANGLES) + 0.5) / ANGLES)
+    of.transmittance[1] = clear.transmittance[:, :1]
+    of.mirrored[1] = clear.front[:, 0]
+    np.testing.assert_allclose(of.transmittance[1, :, 0] + of.mirrored[1], 1.0, rtol=1e-6)
+    corners = np.concatenate([box(inwards=True), pane])
+    found = radiosity(corners, of, [0] * 12 + [1] * 2, solid=[True] * 12 + [False] * 2)
+    light = solved(found)[: found.space.cells.patches]
+    walls = found.space.cells.kind[found.space.cells.first] == 0
+    np.testing.assert_allclose(light[walls], 5.0, rtol=5e-3)
+
+
+def test_light_through_a_pane_is_that_of_fresnels_equations():
+    """A floor behind a pane of absorbing glass under a white half sky: the cosine's mean of what
+    passes at each angle, each polarisation going to and fro by itself."""
+    floor = np.array([[(-0.1, -0.1, 0), (0.1, -0.1, 0), (0.1, 0.1, 0)]])
+    sheet = np.array([[(-9e3, -9e3, 1), (9e3, -9e3, 1), (0, 9e3, 1)]], float)
+    tau = np.full(81, 0.5)
+    of = matter([0.0, 0.0])
+    of.clear[1] = True
+    pane = glass.uncoated(tau, (np.arange(ANGLES) + 0.5) / ANGLES)
+    of.transmittance[1] = pane.transmittance[:, :1]
+    of.mirrored[1] = pane.front[:, 0]
+    found = radiosity(np.concatenate([floor, sheet]), of, [0, 1], solid=False, cells=0, rays=4096)
+    solved(found, SKY)
+    cosine = (np.arange(4000) + 0.5) / 4000
+    n = glass.INDEX
+    inside = np.sqrt(1.0 - (1.0 - cosine**2) / n**2)
+    r0 = ((n - 1.0) / (n + 1.0)) ** 2
+    # tau = (1 - r)² a / (1 - r² a²), solved step by step.
+    a = 0.5
+    for _ in range(50):
+        a = 0.5 * (1.0 - r0**2 * a**2) / (1.0 - r0) ** 2
+    a = a ** (1.0 / inside)
+    s = ((cosine - n * inside) / (cosine + n * inside)) ** 2
+    p = ((n * cosine - inside) / (n * cosine + inside)) ** 2
+    through = sum((1.0 - r) ** 2 * a / (1.0 - r**2 * a**2) for r in (s, p)) / 2.0
+    exact = (2.0 * cosine * through).mean()
+    # What lies below is dark, and so is what the pane mirrors. Eight angles, and 4096 rays.
+    assert found.E[0, 0] == pytest.approx(exact, rel=0.01)
 
 
 def test_a_wall_that_is_buried_darkens_nothing():

@@ -36,6 +36,7 @@ class Light:
         found.reflectance[:] = 0.0
         found.emission[:] = 0.0
         found.transmittance[:] = 1.0
+        found.mirrored[:] = 0.0
         return found
 
     @property

@@ -87,10 +87,14 @@ def matter(
     emission = bands.light([each.emission / max(strength, 1e-6) for each in found])
     cosines = (np.arange(ANGLES) + 0.5) / ANGLES
     through = np.zeros((len(found), ANGLES, rho.shape[1]), np.float32)
-    for each, row in zip(found, through, strict=True):
+    mirrored = np.zeros((len(found), ANGLES), np.float32)
+    for each, row, back in zip(found, through, mirrored, strict=True):
         if each.transmittance is not None:
-            passed = glass.uncoated(each.transmittance, cosines).transmittance
-            row[:] = bands.share(np.clip(passed, 0.0, 1.0) ** (1.0 / each.faces))
+            pane = glass.uncoated(each.transmittance, cosines)
+            row[:] = bands.share(np.clip(pane.transmittance, 0.0, 1.0) ** (1.0 / each.faces))
+            back[:] = np.minimum(
+                bands.share(pane.front).mean(axis=1) / each.faces, 1.0 - row.max(axis=1)
+            )
     return (
         Matter(
             np.clip(rho, 0.0, 1.0).astype(np.float32),
@@ -98,6 +102,7 @@ def matter(
             np.array([each.opacity for each in found], np.float32),
             np.array([each.transmittance is not None for each in found], bool),
             through,
+            mirrored,
         ),
         found,
     )
