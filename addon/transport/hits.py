@@ -179,7 +179,7 @@ class Space:
 
     def _within(self, met, origins, ways, reach, rays):
         """What some rays have met, -1 where that lies farther than their reach."""
-        if reach is None:
+        if reach is None or not len(self.cells.corners):
             return met
         normal = self.cells.normals[met]
         to = np.einsum("nk,nk->n", self.cells.corners[met, 0] - origins[rays], normal)

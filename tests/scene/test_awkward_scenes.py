@@ -6,6 +6,7 @@ Each builder makes a scene and returns the materials that become spectral and th
 import math
 
 import bpy
+import numpy as np
 import pytest
 
 from spectral_skylight.addon import tags
@@ -16,7 +17,9 @@ from spectral_skylight.addon.scene.blend_data import nodes
 from spectral_skylight.addon.scene.lights import light_linking
 from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.scene.world.settings import Settings
+from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.addon.ui import everything
+from spectral_skylight.node_groups import baked_light
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import buildings, faces
 
@@ -401,3 +404,23 @@ def test_a_sky_whose_picture_is_gone_is_one_line(scene, tmp_path):
     with pytest.raises(InputError, match=r"gone\.exr.*restore or pack the file"):
         run(use_cases.make_everything_spectral(scene, {}, Settings(occlusion="open")))
     assert whole() == before
+
+
+def test_what_casts_no_shadow_is_lit_as_what_it_is(scene):
+    """Alone in a scene and beside something: by its own reflectance, not as if it had none."""
+    white, floor = paint("White"), paint("Floor")
+    sheet = buildings.ground(2, white)
+    sheet.visible_shadow = False
+    settings = Settings(occlusion="baked", ground="none")
+    given = {m: Assignment("white", np.ones(81)) for m in (white, floor)}
+    for beside in (False, True):
+        if beside:
+            buildings.box("Far", (500, 0, 1), (2, 2, 2), floor)
+        bpy.context.view_layer.update()
+        light = use_cases.make_spectral(scene, given, settings).light
+        run(use_cases.bake(scene, settings, rays=1024))
+        shown = sheet.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        seen = buildings.colours(shown, baked_light.LIGHT)[:, :3].mean(axis=0)
+        # A polynomial leaves 1 % at a horizon as dark below, and 1,024 rays less.
+        expected = Settings().transfer(light).to_working @ light.faces[0]
+        np.testing.assert_allclose(seen, expected, rtol=0.03)

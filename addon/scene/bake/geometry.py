@@ -50,7 +50,8 @@ class Geometry:
     def _by_owner(self) -> dict[str, NDArray[np.int64]]:
         order = np.argsort(self.owner, kind="stable")
         ends = np.cumsum(np.bincount(self.owner, minlength=len(self.owners)))
-        return dict(zip(self.owners, np.split(order, ends[:-1]), strict=True))
+        parts = np.split(order, ends[:-1]) if len(ends) else []
+        return dict(zip(self.owners, parts, strict=True))
 
     def of(self, owner: str) -> NDArray[np.int64]:
         """The triangles of an owner, none of an unknown one."""
@@ -102,9 +103,14 @@ def gather(depsgraph: bpy.types.Depsgraph) -> Geometry:
         shown = instance.object
         by = instance.parent if instance.is_instance else shown
         # Curves, texts and metaballs show their meshes as instances of themselves.
-        if not instance.show_self or shown.type != "MESH" or not shown.visible_shadow:
+        if not instance.show_self or shown.type != "MESH":
             continue
         if shown.hide_render or by.hide_render:
+            continue
+        if not shown.visible_shadow:  # it hides nothing, but it is lit
+            for slot in shown.material_slots:
+                name = slot.material.name_full if slot.material else ""
+                materials.setdefault(name, len(materials))
             continue
         key = shown.original.name_full, shown.data.as_pointer() if shown.data else 0
         if key not in cache:
@@ -142,7 +148,7 @@ def gather(depsgraph: bpy.types.Depsgraph) -> Geometry:
     if not columns[0]:
         empty = np.empty(0, np.int32)
         none, no = np.empty((0, 3, 3)), np.empty(0, bool)
-        return Geometry(none, np.zeros(3), empty, [], empty, empty, [""], empty, no)
+        return Geometry(none, np.zeros(3), empty, [], empty, empty, list(materials), empty, no)
     places, owner, instances, material, polygon, solid = map(np.concatenate, columns)
     flat = places.reshape(-1, 3)
     origin = (flat.min(axis=0) + flat.max(axis=0)) / 2
