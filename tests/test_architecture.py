@@ -54,7 +54,7 @@ BESIDE_A_PLAN = {path.stem for path in SCRIPTS}
 MODULES_OF = {
     **{name: set() for name in BASE},
     "spectra": {"numpy"},
-    "sky": {"numpy", "OpenEXR", "pvlib"},
+    "sky": {"numpy", "OpenEXR"},
     "transfer": {"numpy"},
     "transport": {"embreex", "mathutils", "numpy"},
     "evaluation": {"numpy", "colour", "matplotlib", "PIL", "scipy", "tqdm"},

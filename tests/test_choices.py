@@ -153,7 +153,6 @@ def test_a_study_has_a_new_occlusion_and_basis(folder):
     text = 'out = "out"\nscenes = "a.blend"\ncameras = "all"\nocclusion = "fog"\nbasis = "clouds"\n'
     sky = '[[skies]]\ndate = 2025-06-21\ntimes = ["12:00"]\nlatitude = 48\nlongitude = 11\n'
     (folder / "study.toml").write_text(f"{text}{sky}timezone = 1\nnorth = 0\n")
-    pytest.importorskip("pvlib")
     assert run(STUDY, folder / "study.toml").splitlines() == [
         "fog clouds",
         "auto, open, dome, baked or fog",

@@ -52,7 +52,6 @@ def test_turbidity_is_the_haze_at_1000_nm(tmp_path):
 
 
 def test_sun_by_date_and_place(tmp_path, capsys):
-    pytest.importorskip("pvlib")
     place = ("--latitude", 52.5, "--longitude", 13.4, "--timezone", "Europe/Berlin")
     make(tmp_path / "a.exr", "--date", "2025-06-21", "--time", "13:10", *place)
     out = capsys.readouterr().out

@@ -60,7 +60,6 @@ def test_the_command_line_shows_options(paint, capsys):
 
 
 def test_a_study_shows_its_keys(tmp_path):
-    pytest.importorskip("pvlib")
     (tmp_path / "a.blend").touch()
     place = 'latitude = 48.1\nlongitude = 11.6\ntimezone = "Middle/Earth"\nnorth = 0\n'
     (tmp_path / "study.toml").write_text(

@@ -1,14 +1,20 @@
-"""Where the sun stands at a time and a place."""
+"""Where the sun stands at a local time of a place."""
 
 from __future__ import annotations
 
+import calendar
+import re
 from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta, timezone, tzinfo
-from zoneinfo import ZoneInfo
+from zoneinfo import ZoneInfo, available_timezones
 
 import numpy as np
 
 from ..errors import InputError, parameter
+from .solar_position import solar_position
+
+LAST_YEAR = 3000
+"""How far `solar_position` has been compared."""
 
 
 def sun_position(
@@ -23,14 +29,12 @@ def sun_positions(
 ) -> list[tuple[float, float]]:
     """Return the sun's elevation and azimuth [degrees] at each time, clockwise from north.
 
-    By pvlib's solar position algorithm (Reda and Andreas 2004, DOI 10.1016/j.solener.2003.12.003),
-    within 0.001°. The elevation is the geometric one: our atmosphere does not refract either.
+    By `solar_position`. The elevation is the geometric one: our atmosphere does not refract either.
 
     Parameters
     ----------
     date, times
-        ``2025-06-21``, ``14:30`` or ``14:30:15``, local to ``zone``; the first of two where summer
-        time ends.
+        ``2025-06-21``, ``14:30`` or ``14:30:15``, local to ``zone``, in the Gregorian calendar.
     latitude, longitude
         [degrees], north and east positive.
     zone
@@ -40,8 +44,8 @@ def sun_positions(
     Raises
     ------
     InputError
-        What is no date, time, place or zone, a time that clocks skip; and where pvlib is not
-        installed.
+        What is no date, time, place or zone, a date after `LAST_YEAR`, and a time that clocks skip
+        or have twice.
     """
     if not -90.0 <= latitude <= 90.0:
         raise InputError(parameter("latitude"), f"{latitude:g}°", "give -90 to 90, north positive")
@@ -50,48 +54,65 @@ def sun_positions(
             parameter("longitude"), f"{longitude:g}°", "give -180 to 180, east positive"
         )
     moments = [_moment(date, time, zone) for time in times]
-    try:
-        from pvlib import spa
-    except ImportError:
-        cure = f"pip install 'spectral-skylight[science]', or give {parameter('sun_elevation')}"
-        raise InputError(parameter("date"), "pvlib is not installed", cure) from None
-    sea_level = {"elev": 0.0, "pressure": 1013.25, "temp": 15.0, "atmos_refract": 0.5667}
-    delta_t = spa.calculate_deltat(moments[0].year, moments[0].month)
     seconds = np.array([moment.timestamp() for moment in moments])
-    *_, elevation, azimuth, _ = spa.solar_position(
-        seconds, latitude, longitude, delta_t=delta_t, **sea_level
-    )
+    elevation, azimuth = solar_position(seconds, latitude, longitude)
     return list(zip(elevation.tolist(), azimuth.tolist(), strict=True))
 
 
 def _moment(date: str, time: str, zone: str) -> datetime:
     """Read a local date and time."""
+    cure = f"give {parameter('date')} YYYY-MM-DD and {parameter('time')} HH:MM"
     try:
         moment = datetime.fromisoformat(f"{date}T{time}")
     except ValueError:
-        cure = f"give {parameter('date')} YYYY-MM-DD and {parameter('time')} HH:MM"
+        leap = re.fullmatch(r"(\d{4})-02-29", date)
+        if leap and not calendar.isleap(int(leap[1])):
+            raise InputError(
+                parameter("date"), f"{leap[1]} is no leap year", "give another day"
+            ) from None
         raise InputError(
             parameter("date"), f"'{date} {time}' is not a date and time", cure
         ) from None
+    if moment.tzinfo is not None:
+        cure = f"give that as {parameter('timezone')}"
+        raise InputError(parameter("time"), f"'{time}' has a time zone in it", cure)
+    if moment.year > LAST_YEAR:
+        raise InputError(parameter("date"), f"{date} is too far away", f"give 1 to {LAST_YEAR}")
     moment = moment.replace(tzinfo=_zone(zone))
     try:
         again = moment.astimezone(UTC).astimezone(moment.tzinfo)
-    except OverflowError:  # on the first or last day that Python knows
+    except OverflowError:  # on the first day that Python knows
         raise InputError(parameter("date"), f"{date} is too far away", "give another") from None
-    if again.time() != moment.time():
-        cure = f"summer time begins in {zone}: give an hour later"
+    if again.replace(tzinfo=None) != moment.replace(tzinfo=None):
+        cure = f"clocks are put forward in {zone}: give an hour later"
         raise InputError(parameter("time"), f"there is no {time} on {date}", cure)
+    later = moment.replace(fold=1).utcoffset()
+    if later != moment.utcoffset():
+        cure = f"clocks are put back in {zone}: give {parameter('timezone')} in hours, "
+        cure += f"{_hours(moment.utcoffset())} or {_hours(later)}"
+        raise InputError(parameter("time"), f"{time} comes twice on {date}", cure)
     return moment
+
+
+def _hours(offset: timedelta | None) -> str:
+    """Write a distance from UTC as `_zone` reads it."""
+    assert offset is not None
+    minutes = round(offset.total_seconds() / 60)
+    return f"{'-' if minutes < 0 else '+'}{abs(minutes) // 60}:{abs(minutes) % 60:02}"
 
 
 def _zone(name: str) -> tzinfo:
     """Read a zone's name or its distance from UTC."""
-    sign = {"+": 1, "-": -1}.get(name[:1])
+    if name == "UTC":  # which needs no tables
+        return UTC
+    given = re.fullmatch(r"([+-])(\d{1,2}(?:\.\d+)?)(?::([0-5]\d))?", name)
     try:
-        if sign is None:
+        if given is None:
             return ZoneInfo(name)
-        hours, _, minutes = name[1:].partition(":")
-        return timezone(sign * timedelta(hours=float(hours), minutes=int(minutes or 0)))
-    except (ValueError, OverflowError, OSError, KeyError):  # ZoneInfoNotFoundError is a KeyError
+        distance = timedelta(hours=float(given[2]), minutes=int(given[3] or 0))
+        return timezone(-distance if given[1] == "-" else distance)
+    except (ValueError, OSError, KeyError):  # ZoneInfoNotFoundError is a KeyError
         cure = "give a name such as Europe/Berlin, or hours such as +2"
+        if not available_timezones():  # on Windows, where Python has no tables of them
+            cure = "names are not known on this computer: give hours such as +2"
         raise InputError(parameter("timezone"), f"'{name}' is unknown", cure) from None

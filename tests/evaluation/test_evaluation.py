@@ -113,7 +113,6 @@ def test_an_even_sky_lights_a_face_by_what_it_sees():
 
 @pytest.fixture(scope="module")
 def paper_day():
-    pytest.importorskip("pvlib")
     return day.simulate_day(
         "2025-03-20", 35.68, 139.77, "+9", step=120, atmosphere=PAPER, orders=2, cached=False
     )
@@ -139,7 +138,6 @@ def test_the_paper_s_claims_hold_under_its_own_sky(paper_day, checker):
 
 
 def test_a_day_without_sun_is_refused():
-    pytest.importorskip("pvlib")
     with pytest.raises(InputError, match="no sun rises"):
         day.simulate_day("2025-12-21", 80.0, 0.0)
     with pytest.raises(InputError, match="step"):
@@ -194,7 +192,6 @@ def test_without_matplotlib_one_line_names_the_cure(tmp_path, light_file, monkey
 @pytest.mark.slow
 def test_a_whole_day_is_written(tmp_path, checker):
     pytest.importorskip("matplotlib")
-    pytest.importorskip("pvlib")
     names = colorchecker()[0]
     place = ("2025-03-20", 35.68, 139.77, "+9")
     result = report.report_day(tmp_path, place, (names, checker), ["rayleigh"], step=180)
