@@ -79,6 +79,8 @@ def test_standard_error_is_stated(tmp_path, capsys):
         (["--sun-elevation", "20", "--ground", "none.csv"], "none.csv"),
         (["--sun-elevation", "20", "--ozone", "-5"], "ozone"),
         (["--sun-elevation", "20", "--width", "4"], "--width"),
+        (["--sun-elevation", "20", "--sun-azimuth", "nan"], "--sun-azimuth"),
+        (["--sun-elevation", "20", "--sun-azimuth", "1e999"], "--sun-azimuth"),
     ],
 )
 def test_what_is_wrong_is_said(capsys, tmp_path, options, part):

@@ -21,9 +21,11 @@ REPORTS = ("report.html", "report.json", "results.jsonl")
 
 
 def check_links(out: Path) -> None:
-    """Raise InputError for a file or folder right in ``out`` that is a link out of it."""
+    """Raise InputError for what is right in ``out`` and is a link out of it, or a device."""
     root = out.resolve()
     for path in out.iterdir() if out.is_dir() else ():
+        if path.exists() and not (path.is_file() or path.is_dir()):
+            raise InputError(out, f"its {path.name} is no regular file", "remove it")
         if path.is_symlink() and not path.resolve().is_relative_to(root):
             cure = "remove it, or choose another folder"
             raise InputError(out, f"its {path.name} is a link that leads out of the folder", cure)
@@ -52,7 +54,8 @@ def _written(out: Path) -> Iterator[str]:
     yield from (name for name in REPORTS if (out / name).exists())
     if (out / STATUS).exists():
         try:
-            ours = "state" in json.loads((out / STATUS).read_text(encoding="utf-8"))
+            found = (out / STATUS).read_text(encoding="utf-8") if (out / STATUS).is_file() else ""
+            ours = "state" in json.loads(found)
         except (OSError, ValueError, TypeError, RecursionError):
             ours = False
         yield from () if ours else (STATUS,)

@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 
 from ..choices import listed
 from ..errors import InputError
+from ..spectra import files
 
 _MISSING: Any = object()
 
@@ -77,9 +78,7 @@ class Table:
 def read_toml(path: Path, known: Iterable[str]) -> Table:
     """Return the top table of a file; InputError with line and column where it is no TOML."""
     try:
-        values = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from None
+        values = tomllib.loads(files.content(path).decode("utf-8-sig"))
     except UnicodeDecodeError:
         raise InputError(path, "is not UTF-8 text", "save it as UTF-8") from None
     except (ValueError, RecursionError) as error:

@@ -103,6 +103,8 @@ def run(options: argparse.Namespace) -> None:
     if not 8 <= options.width <= 8192:
         raise InputError("--width", f"{options.width} pixels", "give 8 to 8192")
     elevation, azimuth = _sun(options)
+    if not abs(azimuth) <= 360.0:
+        raise InputError("--sun-azimuth", f"{azimuth:g}°", "give -360 to 360")
     orders = options.orders
     if orders != "all" and not orders.isdecimal():
         raise InputError("--orders", f"'{orders}'", "give 1, 2, … or all")

@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import InputError
+from ..spectra import files
 from ..spectra.checks import UNITS
 from ..spectra.formats import checkers
 from ..spectra.grid import WAVELENGTHS
@@ -57,9 +58,7 @@ def read_table(path: Path, folders: Sequence[Path] = ()) -> dict[str, Assignment
 
 def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     try:
-        text = path.read_bytes().decode("utf-8-sig")
-    except OSError as error:
-        raise InputError(path, f"cannot be read ({error.strerror})", "check the path") from None
+        text = files.content(path).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise InputError(path, "is not UTF-8 text", "save it as UTF-8") from None
     lines = text.splitlines()

@@ -15,6 +15,7 @@ from spectral_skylight.addon.batch.task import SCRIPTS, copy_scripts, task_of
 from spectral_skylight.addon.batch.worker import Worker
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.scene.output import plan_data, render_task
+from spectral_skylight.addon.transfer.assignment_table import read_table
 from spectral_skylight.tests.batch.studies import write_inputs, write_study
 
 LINE = {
@@ -103,6 +104,23 @@ def test_a_link_out_of_the_folder_is_not_followed(tmp_path, name):
     with pytest.raises(InputError, match=re.escape(f"its {name} is a link")):
         study.folder_of(write_study(tmp_path))
     assert target.read_text() == "mine"
+
+
+@POSIX
+def test_what_would_be_read_for_ever_is_not_opened(tmp_path):
+    """Pipes where a study, a table, results, a record or a picture should be."""
+    path = write_plan(tmp_path / "out", LINE)
+    for name in ("prepared/a.json", "pictures/a/a.exr", "prepared/a.blend"):
+        (path.parent / name).parent.mkdir(parents=True, exist_ok=True)
+        os.mkfifo(path.parent / name)
+    assert report.write_report(path)["counts"] == {"missing": 1}
+    for read in (study.read_study, read_table):
+        os.mkfifo(pipe := tmp_path / read.__name__)
+        with pytest.raises(InputError, match="not a regular file"):
+            read(pipe)
+    os.mkfifo(path.parent / "results.jsonl")
+    with pytest.raises(InputError, match="its results.jsonl is no regular file"):
+        read_header(path)
 
 
 @POSIX

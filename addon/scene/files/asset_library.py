@@ -92,7 +92,10 @@ def _dress(material: bpy.types.Material, halves: Sequence[NDArray[np.float64]]) 
 
 def _catalogues(path: Path, paths: Sequence[str]) -> None:
     """Add what is missing to the folder's catalogues; what others wrote there stays."""
-    text = path.read_text(encoding="utf-8") if path.exists() else _HEAD
+    try:
+        text = path.read_text(encoding="utf-8") if path.exists() else _HEAD
+    except UnicodeDecodeError:
+        raise InputError(path, "is not UTF-8 text", "save it as UTF-8") from None
     known = {line.partition(":")[0] for line in text.splitlines()}
     for source in dict.fromkeys(paths):
         number = str(uuid.uuid5(_IDS, source))

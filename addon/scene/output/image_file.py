@@ -28,10 +28,17 @@ def whole(exr: Path, width: int, height: int, note: str) -> bool:
     """Return whether a picture's two files are there, complete, of this size and with this note."""
     try:
         for path in (exr, exr.with_suffix(".png")):
+            _check_regular(path)
             check(path.read_bytes(), width, height, note)
     except (OSError, ValueError):
         return False
     return True
+
+
+def _check_regular(path: Path) -> None:
+    """Raise ValueError for what would be read for ever."""
+    if path.exists() and not path.is_file():
+        raise ValueError("it is no regular file")
 
 
 def made_by(exr: Path, key: str) -> str:
@@ -40,6 +47,8 @@ def made_by(exr: Path, key: str) -> str:
     Without decoding a scanline: a picture is decoded before it gets its name. Raises OSError or
     ValueError where its two files are not there, do not reach to their ends or have another key.
     """
+    for path in (exr, exr.with_suffix(".png")):
+        _check_regular(path)
     with exr.open("rb") as file:
         start, size = file.read(HEAD), file.seek(0, 2)
         try:
