@@ -365,3 +365,13 @@ def test_pictures_of_a_glass_house_and_an_instanced_lamp(tmp_path):
     bpy.data.objects["Instance"].hide_render = True
     make(scene, "Wall")
     np.testing.assert_allclose(shoot("off")[4:28], dark[4:28], rtol=0.01)
+    # A lamp that is linked to nothing spectral: Blender takes an empty collection for no linking.
+    nobodys = lamp("Nobody's", scene.collection)
+    nobodys.location = (-2.0, 0.0, 1.0)
+    nobodys.light_linking.receiver_collection = collection("Others")
+    bpy.data.collections["Others"].objects.link(scene.camera)
+    make(scene, "Wall")
+    for engine, noise in (("eevee", 0.01), ("cycles", 0.05)):
+        scene.cycles.samples = 64
+        seen = shoot("nobody", engine)
+        np.testing.assert_allclose(seen[8:24].mean(axis=0), dark[8:24].mean(axis=0), rtol=noise)
