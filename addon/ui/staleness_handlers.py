@@ -18,7 +18,9 @@ from . import follow
 from .last_guard import handler as guarded
 
 LIGHTS = bpy.types.Light, bpy.types.World, bpy.types.Material
-"""What gives or reflects light, beside objects that move."""
+"""What gives or reflects light, beside objects."""
+PLACES = bpy.types.Object, bpy.types.Collection
+"""What is somewhere: a collection tells of what was deleted or hidden."""
 
 _stale: dict[int, str] = {}  # by a material's session_uid, why it is
 _files: dict[int, tuple[str, str]] = {}  # the same, by what was found on disk, and for which hash
@@ -118,11 +120,11 @@ def _changed(scene, depsgraph) -> None:
                 if tags.MATERIAL in material and material.node_tree == changed.original:
                     _look_at(material)
         elif (
-            isinstance(changed, bpy.types.Object)
+            isinstance(changed, PLACES)
             and (update.is_updated_transform or update.is_updated_geometry)
             and not _ours
         ):
-            _moved = _moved or changed.type not in ("LIGHT", "EMPTY")
+            _moved = _moved or getattr(changed, "type", "") not in ("LIGHT", "EMPTY")
             follow.ask()
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from spectral_skylight.addon import progress
 from spectral_skylight.addon.scene.bake import scene_bake, storage
-from spectral_skylight.node_groups import sky_bake
+from spectral_skylight.node_groups import baked_light, sky_bake
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import faces
 from spectral_skylight.tests.buildings import (
@@ -84,6 +84,50 @@ def test_cancelling_keeps_the_last_whole_light():
     for obj in boxes:
         share, normals = sky_share(obj)
         assert share[normals[:, 2] > 0.9].mean() == pytest.approx(1.0, abs=0.02)
+
+
+def light_of(obj):
+    """What an object shows: its bake's name, and a copy of the light in it."""
+    bake = storage.bake_of(obj)
+    light = bake.data.attributes[baked_light.LIGHT].data
+    values = np.empty(4 * len(light), np.float32)
+    light.foreach_get("color", values)
+    return bake.name, values.tobytes()
+
+
+def test_until_new_light_is_there_the_last_one_shows():
+    """While rays are cast, when it is stopped, and when what is baked is deleted meanwhile."""
+    faces.empty_scene()
+    made_of = material()
+    boxes = [box(f"Box {n}", (4 * n, 0, 1), (1, 1, 2), made_of) for n in range(2)]
+    progress.run(scene_bake.bake(rays=64))
+    before, names = [light_of(obj) for obj in boxes], as_json()
+    boxes[0].location.x += 1.5
+    work = scene_bake.bake(rays=64)
+    waits = 0
+    for step in work:
+        if step.line == "a first light":
+            break
+        assert [light_of(obj) for obj in boxes] == before
+        waits += 1
+    assert waits > 2
+    assert all(light_of(obj)[1] != old[1] for obj, old in zip(boxes, before, strict=True))
+    work.close()
+    assert len(scene_bake.baked()) == 2 and as_json() == names
+
+    before, names = [light_of(obj) for obj in boxes], as_json()
+    boxes[1].location.x += 0.5
+    work = scene_bake.bake(rays=64)
+    for _ in range(3):
+        next(work)
+    work.close()
+    assert [light_of(obj) for obj in boxes] == before and as_json() == names
+    work = scene_bake.bake(rays=64)
+    for _ in range(3):
+        next(work)
+    bpy.data.objects.remove(boxes[0])
+    work.close()
+    assert light_of(boxes[1]) == before[1]
 
 
 def test_an_edited_mesh_falls_back_to_the_open_sky_where_it_was_edited():

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ....node_groups import baked_light, modifiers
+from ....node_groups import baked_light
 from ...progress import Progress
 from ...transport.cells import Cells, levels_for, pieces
 from ...transport.hits import Space
@@ -23,6 +23,7 @@ from . import geometry, layout, passes, storage, surroundings
 from .collected import Collected, Shading
 from .light import Light
 from .receivers import Points, Receivers, Target, filled
+from .shelf import Shelf, there
 
 PATCHES = 20_000, 60_000
 """At most so many at first and at last, where a scene has no more triangles."""
@@ -74,20 +75,20 @@ def baking(
     """Lay out and light objects; return lines to say and how many are baked."""
     count, slow = how.rays, how.slow
     _last.clear()
-    kept = [storage.ensure(obj) for obj in objects]
-    for obj, bake in zip(objects, kept, strict=True):
-        modifiers.set_inputs(storage.modifier_of(obj), Faces=0, Near=0.0, Back=False)
-        storage.write_levels(bake, np.empty(0), np.empty(0))
-    laid_out: set[str] = set()
+    yield Progress(0.0, "geometry")
+    shelf = Shelf(objects)
+    laid_out: set[str] | None = None
     try:
-        yield Progress(0.0, "geometry")
-        lines, plans = layout.begin(list(zip(objects, kept, strict=True)))
+        lines, plans = layout.begin(list(zip(objects, shelf.bakes, strict=True)))
         if not plans:
+            laid_out = set()
+            shelf.clear()
             return lines, 0
         around = geometry.gather(bpy.context.evaluated_depsgraph_get())
         found = surroundings.signatures(around)
         surfaces = around.surfaces
         matter = light.matter(around.materials)
+        shelf.show_old()
         levels = levels_for(
             surfaces, layout.START * around.size, PATCHES[0], layout.SMALL * around.size
         )
@@ -100,11 +101,12 @@ def baking(
         bend = np.zeros(len(levels))
         np.maximum.at(bend, triangle, layout.bends(coarse))
         layout.refine(plans, around, bend, levels, how.tolerance)
+        shelf.show_new()
         targets = layout.lay_out(plans, around, space)
         own = set(objects)
         others = [obj for obj in bpy.data.objects if obj not in own and storage.is_lit(obj)]
         targets += _kept_targets(others, around)
-        laid_out = {plan.obj.name for plan in plans}
+        shelf.show_old()
         receivers = Receivers(targets, around.materials, space)
         points = f"{len(receivers):,} points"
         each = passes.rays_of(len(receivers), slow) if count is None else [FIRST, count]
@@ -115,7 +117,10 @@ def baking(
         for done, _ in passes.collect(collected, shading, each[:1]):
             yield Progress(0.2 + 0.05 * done, points)
         before = passes.found(collected, shading)
+        shelf.show_new()
         _write(session, before[0])
+        laid_out = {plan.obj.name for plan in plans}
+        shelf.clear()
         # Others that were baked before now have the light of what stands here too.
         lit = {plan.obj.name_full: plan.bake for plan in plans}
         lit |= {obj.name_full: storage.bake_of(obj) for obj in others}
@@ -141,9 +146,12 @@ def baking(
         session.key, session.light = _key(), light.key(session.materials)
         _last.append(session)
     finally:
-        storage.remove(
-            obj for obj in objects if obj.name not in laid_out or not storage.is_lit(obj)
-        )
+        if laid_out is None:
+            shelf.give_back()
+        else:
+            storage.remove(
+                obj for obj in there(objects) if obj.name not in laid_out or not storage.is_lit(obj)
+            )
     return lines, len(plans)
 
 

@@ -34,7 +34,12 @@ def bake_of(obj: bpy.types.Object) -> bpy.types.Object | None:
 def lit_bake_of(obj: bpy.types.Object) -> bpy.types.Object | None:
     """The bake of an object that holds light; None also for one by an earlier version."""
     bake = bake_of(obj)
-    return bake if bake is not None and baked_light.LIGHT in bake.data.attributes else None
+    return bake if bake is not None and is_bake_lit(bake) else None
+
+
+def is_bake_lit(bake: bpy.types.Object) -> bool:
+    """Whether a bake holds light."""
+    return baked_light.LIGHT in bake.data.attributes
 
 
 def is_lit(obj: bpy.types.Object) -> bool:
@@ -42,24 +47,22 @@ def is_lit(obj: bpy.types.Object) -> bool:
     return lit_bake_of(obj) is not None
 
 
-def ensure(obj: bpy.types.Object) -> bpy.types.Object:
-    """An empty bake for an object, which has the modifier afterwards.
-
-    A bake that a copy of the object shares is left to the copy.
-    """
+def new(obj: bpy.types.Object) -> bpy.types.Object:
+    """A new, empty bake for an object, which has the modifier afterwards and shows it."""
     modifier = modifier_of(obj)
     if modifier is None:
         modifier = obj.modifiers.new(sky_bake.KIND, "NODES")
         modifier.show_in_editmode = False
         modifier.use_pin_to_last = True
     modifier.node_group = sky_bake.ensure()
-    old = modifiers.get_input(modifier, "Bake")
-    if old is None or old.users > 1:
-        name = f"{sky_bake.KIND} {obj.name}"
-        old = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-        modifiers.set_inputs(modifier, Bake=old)
-    old.data.clear_geometry()
-    return old
+    name = f"{sky_bake.KIND} {obj.name}"
+    bake = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    before = modifiers.get_input(modifier, "Bake")
+    modifiers.set_inputs(modifier, Bake=bake, Faces=0, Near=0.0, Back=False)
+    write_levels(bake, np.empty(0), np.empty(0))
+    if before is not None and not is_bake_lit(before):
+        discard([before])
+    return bake
 
 
 def remove(objects: Iterable[bpy.types.Object]) -> None:
@@ -73,15 +76,20 @@ def remove(objects: Iterable[bpy.types.Object]) -> None:
         modifiers.set_inputs(modifier, Bake=None)  # which removing it leaves a user of the bake
         trees.add(modifier.node_group)
         obj.modifiers.remove(modifier)
+    discard(bake for bake in bakes if bake is not None)
+    for tree in trees:
+        if not tree.users:
+            bpy.data.node_groups.remove(tree)
+
+
+def discard(bakes: Iterable[bpy.types.Object]) -> None:
+    """Take bakes away that no object shows: one that a copy of an object shares is the copy's."""
     # All at once: Blender looks through the whole file for whoever uses what goes.
-    gone = [bake for bake in bakes if bake is not None and not bake.users]
+    gone = [bake for bake in bakes if not bake.users]
     meshes = {bake.data for bake in gone}
     records = {record for bake in gone if (record := surroundings.record_of(bake)) is not None}
     bpy.data.batch_remove(gone)
     bpy.data.batch_remove([each for each in (*meshes, *records) if not each.users])
-    for tree in trees:
-        if not tree.users:
-            bpy.data.node_groups.remove(tree)
 
 
 @dataclass
