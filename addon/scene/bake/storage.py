@@ -254,7 +254,7 @@ def write_levels(bake: bpy.types.Object, levels: NDArray, split: NDArray) -> Non
     mesh = bake.data
     mesh.clear_geometry()
     mesh.vertices.add(len(levels))
-    _store(mesh, sky_bake.LEVEL, "INT", levels.astype(np.int32))
+    _store(mesh, sky_bake.LEVEL, "INT8", levels.astype(np.int8))
     _store(mesh, sky_bake.SPLIT, "BOOLEAN", split.astype(bool))
     mesh.update()
     bake.update_tag()
@@ -275,6 +275,7 @@ def write(
     mesh, points = bake.data, len(fine.places)
     mesh.clear_geometry()
     mesh.vertices.add(points + len(levels))
+    mesh.edges.add(1)
     mesh.loops.add(len(fine.point))
     mesh.polygons.add(len(fine.coarse))
     places = np.zeros((points + len(levels), 3), np.float32)
@@ -282,12 +283,17 @@ def write(
     mesh.vertices.foreach_set("co", places.ravel())
     mesh.loops.foreach_set("vertex_index", fine.point.astype(np.int32))
     mesh.polygons.foreach_set("loop_start", fine.starts[:-1].astype(np.int32))
-    mesh.update(calc_edges=True)
-    padded = np.zeros(points + len(levels), np.int32)
+    # Nobody sees this mesh, and edges would take a third of it: one stands for all.
+    mesh.edges.foreach_set("vertices", np.array([0, 1], np.int32))
+    mesh.loops.foreach_set("edge_index", np.zeros(len(fine.point), np.int32))
+    padded = np.zeros(points + len(levels), np.int8)
     padded[points:] = levels
-    _store(mesh, sky_bake.LEVEL, "INT", padded)
+    _store(mesh, sky_bake.LEVEL, "INT8", padded)
     padded[points:] = split
     _store(mesh, sky_bake.SPLIT, "BOOLEAN", padded.astype(bool))
+    for name in (".select_vert", ".select_edge", ".select_poly"):
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
     near = sky_bake.NEAR * float(np.ptp(fine.places, axis=0).max())
     modifiers.set_inputs(modifier_of(obj), Faces=points, Near=near, Back=backs)
 
