@@ -99,6 +99,11 @@ class Collected:
         keys = (rounded[:, 0] << 16) | (rounded[:, 1] << 8) | rounded[:, 2]
         _, first, self._normal = np.unique(keys, return_index=True, return_inverse=True)
         self._normals = receivers.normals[first]
+        self._shading: Shading | None = None
+        self._open = np.empty(0, np.float32)
+        """(normals, 4), the light of that shading's sky on open faces; NaN where not needed yet."""
+        self._ratios: list[NDArray[np.float32]] = []
+        """By pattern, (normals, 4), by what that is more than the pattern's rays tell."""
 
     def cast(
         self, pattern: NDArray[np.float32], points: NDArray[np.int32], shading: Shading
@@ -119,6 +124,8 @@ class Collected:
                 yield (first + part.stop) / len(points)
             self.depth[chosen] = len(self.patterns)
             self._keep(_Block(chosen, found.hits, len(self.patterns)), shading)
+        for _ in self._compare(shading):
+            yield 1.0
 
     def relight(self, shading: Shading) -> None:
         """Let what has been hit bring another light; only where hits are kept."""
@@ -127,7 +134,9 @@ class Collected:
 
     def colours(self, shading: Shading) -> NDArray[np.float32]:
         """Return the colour (n, 3) that light makes of each receiver."""
-        ratios = self._ratios(shading)
+        for _ in self._compare(shading):
+            pass
+        ratios = np.stack(self._ratios)
         result = np.empty((len(self._sums), 3), np.float32)
         for first in range(0, len(result), PART):
             part = slice(first, first + PART)
@@ -192,24 +201,32 @@ class Collected:
         now = self.depth[points] == block.pattern
         self._sums[points[now]] = sums[now, :NARROW]
 
-    def _ratios(self, shading: Shading) -> NDArray[np.float32]:
-        """By what a sky's light on open faces is more than a pattern's rays tell: by pattern,
-        normal and channel.
+    def _compare(self, shading: Shading) -> Iterator[None]:
+        """Find by what a sky's light on open faces is more than a pattern's rays tell.
 
         So what nothing hides is without error, and what hides half takes half of the true light.
+        Yields after each part of the normals that need it.
         """
-        normals = self._normals
-        light = directions.open_light(shading.channels, normals)
-        result = np.ones((len(self.patterns) + 1, len(normals), 4), np.float32)
-        told = np.empty_like(light)
+        unknown = np.full((len(self._normals), 4), np.nan, np.float32)
+        if self._shading is not shading:
+            self._shading, self._open = shading, unknown.copy()
+            self._ratios = [np.ones_like(unknown)]
+        self._ratios += [unknown.copy() for _ in self.patterns[len(self._ratios) - 1 :]]
         for depth, pattern in enumerate(self.patterns, 1):
-            step = max(1, 2**18 // len(pattern))
-            for k in range(0, len(normals), step):
-                ways = directions.about(normals[k : k + step], pattern)
-                told[k : k + step] = shading.channels[directions.cells(ways)].mean(axis=1)
-            ratio = np.clip(light / np.where(told > 0.0, told, 1.0), 0.5, 2.0)
-            result[depth] = np.where(told > 0.0, ratio, 1.0)
-        return result
+            ratios = self._ratios[depth]
+            needed = np.zeros(len(ratios), bool)
+            needed[self._normal[self.depth == depth]] = True
+            new = np.flatnonzero(needed & np.isnan(ratios[:, 0]))
+            step = max(1, min(1024, 2**18 // len(pattern)))
+            for k in range(0, len(new), step):
+                some = new[k : k + step]
+                dark = some[np.isnan(self._open[some, 0])]
+                self._open[dark] = directions.open_light(shading.channels, self._normals[dark])
+                ways = directions.about(self._normals[some], pattern)
+                told = shading.channels[directions.cells(ways)].mean(axis=1)
+                more = self._open[some] / np.where(told > 0.0, told, 1.0)
+                ratios[some] = np.where(told > 0.0, np.clip(more, 0.5, 2.0), 1.0)
+                yield
 
 
 def _coloured(light: NDArray, kinds: NDArray, shading: Shading) -> NDArray[np.float32]:
