@@ -104,3 +104,20 @@ def test_each_button_is_one_step(scene, brick, tmp_path):
     check(told(ops.apply_selected, filepath=brick, column="moss"))
     check(told(ops.remove_all))
     assert not any(tags.MATERIAL in each for each in bpy.data.materials)
+
+
+def test_all_of_ours_leaves_by_one_step(scene, tmp_path):
+    """Bakes, lamps, groups and the World in place of the user's: one click, and one step back."""
+    bpy.data.worlds.remove(scene.world)
+    scene.world = bpy.data.worlds.new("Dusk")
+    mesh = bpy.data.objects["Wall"].data
+    places = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1)]
+    mesh.from_pydata(places, [], [(0, 1, 2, 3), (0, 1, 5, 4)])
+    before = state()
+    other = write_sky(tmp_path / "other.exr", turquoise=1.4)
+    bpy.ops.skylight.load_sky(filepath=str(other))
+    bpy.ops.skylight.make_spectral()
+    assert bpy.data.objects["Wall"].modifiers and scene.world.name != "Dusk"
+    check(lambda *how: bpy.ops.skylight.remove_all(*how))
+    assert bpy.context.scene.world.name == "Dusk"
+    assert differing(state(), before) == {}
