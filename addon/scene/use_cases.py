@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Collection, Generator, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ from ..errors import InputError
 from ..grouping import grouped
 from ..progress import Progress, run
 from ..sky.light import SkyLight
-from ..transfer.assignment import ESTIMATED, Assignment
+from ..transfer.assignment import Assignment
 from ..transfer.assignment_table import read_table, table_files
 from ..transfer.white import AUTO, estimate_white, settle_white
 from ..whole_files import write_text
@@ -34,43 +34,11 @@ from .lights import lighting
 from .materials import base_color, eligibility, spectral_material
 from .materials.assigned import assigned, in_file
 from .materials.record import Result
+from .outcome import Everything, Outcome
 from .plan import Assignments
 from .world import hdri, light_group, own_worlds, panorama
 from .world.settings import Settings
 from .write import relighting, write
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came of a use case.
-
-    ``light``: the World's sky, None where no material asked for it; ``results``: a material each;
-    ``skipped``: why materials were left out, a line each; ``lines``: what else to read.
-    """
-
-    light: SkyLight | None = None
-    results: list[Result] = field(default_factory=list)
-    skipped: list[str] = field(default_factory=list)
-    lines: list[str] = field(default_factory=list)
-
-
-@dataclass(frozen=True)
-class Everything:
-    """What came of making a whole scene spectral: results, and (name, reason) of those left."""
-
-    results: list[Result]
-    left: list[tuple[str, str]]
-
-    @property
-    def estimated(self) -> int:
-        """How many have a reflectance that nobody measured."""
-        return sum(result.reflectance == ESTIMATED for result in self.results)
-
-    @property
-    def line(self) -> str:
-        """How many of which, in one sentence."""
-        count = f"{len(self.results)} material(s) spectral, {self.estimated} of them estimated"
-        return f"{count}; {len(self.left)} left alone" if self.left else count
 
 
 def analyzed(world: bpy.types.World | None, settings: Settings) -> SkyLight:
