@@ -26,10 +26,12 @@ from .ui import (
     last_guard,
     library,
     load_sky,
+    make_sky,
     material_panel,
     menu,
     panels,
     pictures,
+    place,
     preferences,
     preview_cache,
     properties,
@@ -42,7 +44,9 @@ from .ui import (
 MODULES = (
     preferences,
     properties,
+    place,
     load_sky,
+    make_sky,
     choose_reflectance,
     everything,
     apply,
@@ -74,7 +78,7 @@ def register() -> None:
         for cls in CLASSES:
             bpy.utils.register_class(last_guard.guarded(cls))
             _undo.append(partial(bpy.utils.unregister_class, cls))
-        for module in (properties, library, batch, menu, follow, staleness_handlers):
+        for module in (properties, place, library, batch, menu, follow, staleness_handlers):
             module.attach()
             _undo.append(module.detach)
         _undo.append(preview_cache.clear)

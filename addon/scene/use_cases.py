@@ -36,8 +36,8 @@ from .materials.assigned import assigned, in_file
 from .materials.record import Result
 from .outcome import Everything, Outcome
 from .plan import Assignments
-from .world import hdri, light_group, own_worlds, panorama
-from .world.settings import Settings
+from .world import hdri, light_group, own_worlds, panorama, simulated_sky, sky_image
+from .world.settings import Settings, store
 from .write import relighting, write
 
 
@@ -68,6 +68,25 @@ def load_sky(scene: bpy.types.Scene, path: str | Path, settings: Settings) -> Ou
     set_sky(scene, path, settings)
     found = update(scene, settings, ours)
     return replace(found, skipped=skipped)
+
+
+def simulate_sky(
+    scene: bpy.types.Scene, place: simulated_sky.SkyPlace, settings: Settings
+) -> Outcome:
+    """Light a scene by the clear sky of a date and a place, and let its spectral materials follow.
+
+    What settings say of another sky's numbers (camera, white balance, the sun's elevation) does not
+    hold for this one, which says its own. Raises InputError as `simulated_sky.image_of` does, and
+    for wrong settings; the scene is untouched then.
+    """
+    settings = replace(settings, camera=None, white=None, sun_elevation=None)
+    settings.transfer()
+    ours, skipped = editable(in_scene(scene))
+    image = simulated_sky.image_of(place)
+    store(simulated_sky.light(scene, image), settings)
+    own_worlds.remove_unused()
+    line = f"{image.name}: sun at {sky_image.sun_elevation(image):.1f}°"
+    return replace(update(scene, settings, ours), skipped=skipped, lines=[line])
 
 
 def develop(scene: bpy.types.Scene, settings: Settings) -> bpy.types.World:

@@ -20,6 +20,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         column = box.column(align=True)
         column.operator("skylight.load_sky", text="Load Sky HDRI...", icon="FILEBROWSER")
         column.operator("skylight.use_world", text="Use My World")
+        column.operator("skylight.make_sky", text="From Date and Place...", icon="LIGHT_SUN")
         return
     try:
         seen = hdri.sky_of(world)
@@ -35,6 +36,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     line, details = panel_text.of_sky(world, seen)
     column.label(text=line)
     row.operator("skylight.load_sky", text="", icon="FILEBROWSER")
+    row.operator("skylight.make_sky", text="", icon="LIGHT_SUN")
     if panel_text.is_other_sky(world, seen):
         row = box.row(align=True)
         row.label(text="The sky has changed", icon="ERROR")

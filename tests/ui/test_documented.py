@@ -42,6 +42,7 @@ def test_every_property_of_data(addon):
         ("world", bpy.types.World, "skylight"),
         ("light", bpy.types.Light, "skylight"),
         ("scene", bpy.types.Scene, "skylight_batch"),
+        ("scene", bpy.types.Scene, "skylight_place"),
     ):
         line = next(line for line in TEXT.splitlines() if line.startswith(f"| `{owner}.{name}`"))
         for each in group.bl_rna.properties[name].fixed_type.properties:

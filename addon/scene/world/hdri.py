@@ -158,11 +158,15 @@ def set_sky(scene: bpy.types.Scene, path: str | Path, raw: bool = False) -> bpy.
     path = Path(path).resolve()
     shown = None if scene.world is None else sky_of(scene.world).image
     image = sky_image.load(path, raw, shown)
-    if image != shown:
-        new = _new_world(image)
-        own_worlds.take_place(new, scene.world)
-        scene.world = new
-    return scene.world
+    return scene.world if image == shown else show(scene, image)
+
+
+def show(scene: bpy.types.Scene, image: bpy.types.Image) -> bpy.types.World:
+    """Light a scene by an image, in a new World of ours, and return that."""
+    new = _new_world(image)
+    own_worlds.take_place(new, scene.world)
+    scene.world = new
+    return new
 
 
 def develop(scene: bpy.types.Scene, matrix) -> bpy.types.World:

@@ -40,8 +40,16 @@ def light_of(world: bpy.types.World | None, sensors: np.ndarray) -> SkyLight:
     return replace(
         found,
         signs=(*signs, *found.signs),
-        known_elevation=sky_texture.sun_elevation(worlds.output_of(world)),
+        known_elevation=_sun_elevation(world, sky),
     )
+
+
+def _sun_elevation(world: bpy.types.World, sky: worlds.WorldSky) -> float | None:
+    """The sun's elevation [degrees] where the sky is a model that says it."""
+    if sky.image is None:
+        return sky_texture.sun_elevation(worlds.output_of(world))
+    upright = not any(sky.rotation[:2])
+    return sky_image.sun_elevation(sky.image) if upright else None
 
 
 def _analysed(pixels: np.ndarray, name: str, sensors: np.ndarray) -> SkyLight:

@@ -10,10 +10,13 @@ from __future__ import annotations
 import io
 import json
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
 from ... import tags
 from ...errors import InputError
@@ -21,6 +24,7 @@ from ...sky.file_claims import regular_size
 from ...sky.header_notes import Said, read_said
 from ...sky.panorama import Panorama, write_panorama
 from ...spectra.working_spaces import DEFAULT_SPACE
+from ..blend_data import kept
 from ..files.exr_decoder import read_sky
 
 LOAD = "load it with Load Sky HDRI"
@@ -66,16 +70,43 @@ def _tag(image: bpy.types.Image, space: str) -> bool:
 
 
 def _packed(path: Path, sky: Panorama, raw: bool) -> bpy.types.Image:
-    with tempfile.TemporaryDirectory(prefix="skylight-") as folder:
-        # Under a name of its own: unpacking must not overwrite the file that was read.
-        copy = Path(folder) / f"{path.stem}.as_read.exr"
-        write_panorama(copy, sky.rgb)
-        image = bpy.data.images.load(str(copy))
-        image.colorspace_settings.name = "Non-Color" if raw else DEFAULT_SPACE
-        image.pack()
-    image.filepath_raw = f"//{copy.name}"
+    # Under a name of its own: unpacking must not overwrite the file that was read.
+    image = _in_file(f"{path.stem}.as_read.exr", sky.rgb, {})
+    image.colorspace_settings.name = "Non-Color" if raw else DEFAULT_SPACE
     image.name = path.name
     image[tags.SKY] = json.dumps({"file": _stamp(path), "raw": raw, "notes": list(sky.notes)})
+    return image
+
+
+def simulated(
+    name: str, rgb: NDArray[np.float32], attributes: Mapping[str, Any], elevation: float
+) -> bpy.types.Image:
+    """Keep a sky that was simulated, (h, 2 h, 3) in linear Rec.709, in the blend file.
+
+    ``attributes``: of the EXR that is packed; ``elevation``: the sun's [degrees].
+    """
+    image = _in_file(f"{name.replace(':', '')}.exr", rgb, attributes)
+    image.colorspace_settings.name = DEFAULT_SPACE
+    image.use_half_precision = False  # the sun's disc is brighter than 65504
+    image.name = name
+    image[tags.SKY] = json.dumps({"sun_elevation": elevation})
+    return image
+
+
+def sun_elevation(image: bpy.types.Image) -> float | None:
+    """Return the elevation [degrees] of the sun of a sky that we simulated; None of any other."""
+    found = _kept(image).get("sun_elevation", "") if tags.SKY in image else ""
+    return float(found) if kept.is_number(found) else None
+
+
+def _in_file(name: str, rgb: NDArray[np.float32], attributes: Mapping[str, Any]) -> bpy.types.Image:
+    """Return an image whose numbers are packed into the blend file; ``name``: of that EXR."""
+    with tempfile.TemporaryDirectory(prefix="skylight-") as folder:
+        copy = Path(folder) / name
+        write_panorama(copy, rgb, attributes)
+        image = bpy.data.images.load(str(copy))
+        image.pack()
+    image.filepath_raw = f"//{name}"
     return image
 
 

@@ -1,0 +1,39 @@
+"""Lighting the scene by the sky of a date and a place."""
+
+import bpy
+
+from . import give, operator, place, properties
+
+
+class SKYLIGHT_OT_make_sky(operator.Thin, bpy.types.Operator):
+    """Simulate the clear sky of a date and a place, light the scene with it, and update the \
+spectral materials"""
+
+    bl_idname = "skylight.make_sky"
+    bl_label = "Sky from Date and Place"
+
+    def invoke(self, context, event):
+        place.take_over(context.scene)
+        return context.window_manager.invoke_props_dialog(self, width=320)
+
+    def draw(self, context):
+        layout, chosen = self.layout, context.scene.skylight_place
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        for group in place.FIELDS:
+            column = layout.column(align=True)
+            for name in group:
+                column.prop(chosen, name)
+
+    def run(self, context):
+        from ..scene import use_cases
+
+        scene = context.scene
+        settings = properties.settings_of(scene.world)
+        found = use_cases.simulate_sky(scene, place.sky_place(scene.skylight_place), settings)
+        count = f", {len(found.results)} material(s) updated" if found.results else ""
+        lines = [("INFO", f"{line}{count}") for line in found.lines]
+        return [*give.warnings(found.skipped), *lines, *operator.of_light(scene)]
+
+
+CLASSES = (SKYLIGHT_OT_make_sky,)

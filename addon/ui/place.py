@@ -1,0 +1,205 @@
+"""When and where the sky of a scene is seen, as `scene.skylight_place`."""
+
+# No postponed annotations here: Blender reads properties from them.
+# mypy: disable-error-code="valid-type"
+
+import datetime
+import json
+import math
+import sys
+from typing import Any
+from zoneinfo import available_timezones
+
+import bpy
+
+
+def _zones(self, context, typed) -> list[str]:
+    """Names of time zones, listed when the field is opened."""
+    return sorted(available_timezones())
+
+
+class SkylightPlace(bpy.types.PropertyGroup):
+    """Date, time, place and air of a simulated sky."""
+
+    year: bpy.props.IntProperty(
+        name="Year", description="Year in the Gregorian calendar", min=1, max=3000, default=2025
+    )
+    month: bpy.props.IntProperty(name="Month", description="Month", min=1, max=12, default=6)
+    day: bpy.props.IntProperty(name="Day", description="Day", min=1, max=31, default=21)
+    time: bpy.props.FloatProperty(
+        name="Time",
+        description="Local time in hours. 14.5 is half past two in the afternoon",
+        min=0.0,
+        max=23.9999,
+        step=25,
+        precision=3,
+        default=12.0,
+    )
+    timezone: bpy.props.StringProperty(
+        name="Time Zone",
+        description="Name such as Europe/Berlin, which includes daylight saving time, or hours "
+        "east of UTC such as +2",
+        default="UTC",
+        search=_zones,
+        search_options={"SUGGESTION"},
+    )
+    latitude: bpy.props.FloatProperty(
+        name="Latitude",
+        description="Latitude in degrees, north is positive",
+        min=-90.0,
+        max=90.0,
+        precision=4,
+    )
+    longitude: bpy.props.FloatProperty(
+        name="Longitude",
+        description="Longitude in degrees, east is positive",
+        min=-180.0,
+        max=180.0,
+        precision=4,
+    )
+    north: bpy.props.FloatProperty(
+        name="North",
+        description="Direction of true north in degrees, clockwise from +Y as seen from above",
+        min=-360.0,
+        max=360.0,
+        precision=2,
+    )
+    haze: bpy.props.FloatProperty(
+        name="Haze",
+        description="Aerosol optical depth at 550 nm. 0.02 is very clear air, 0.1 clear, 0.3 hazy",
+        min=0.0,
+        max=5.0,
+        soft_max=0.5,
+        step=1,
+        precision=3,
+        default=0.05,
+    )
+    ozone: bpy.props.FloatProperty(
+        name="Ozone",
+        description="Ozone column in Dobson units. It matters most for a low sun",
+        min=0.0,
+        max=1000.0,
+        precision=0,
+        default=300.0,
+    )
+    ground: bpy.props.FloatProperty(
+        name="Ground",
+        description="Reflectance of the ground all around. It lights the sky and fills the sky's "
+        "lower half",
+        min=0.0,
+        max=1.0,
+        precision=2,
+        default=0.2,
+    )
+    taken: bpy.props.StringProperty(
+        description="Values that were last taken over from other add-ons", options={"HIDDEN"}
+    )
+
+
+FIELDS = (
+    ("year", "month", "day"),
+    ("time", "timezone"),
+    ("latitude", "longitude", "north"),
+    ("haze", "ozone", "ground"),
+)
+"""As the dialog shows them."""
+
+
+def sky_place(chosen: SkylightPlace):
+    """The `scene.world.simulated_sky.SkyPlace` that a scene's properties describe."""
+    from ..scene.world.simulated_sky import SkyPlace
+
+    seconds = min(round(chosen.time * 3600), 86399)
+    minutes, second = divmod(seconds, 60)
+    # Blender's floats are of single precision: 48.1 is 48.09999847.
+    numbers = {
+        name: round(getattr(chosen, name), 6)
+        for name in ("latitude", "longitude", "north", "haze", "ozone", "ground")
+    }
+    return SkyPlace(
+        date=f"{chosen.year:04}-{chosen.month:02}-{chosen.day:02}",
+        time=f"{minutes // 60:02}:{minutes % 60:02}:{second:02}",
+        timezone=chosen.timezone.strip(),
+        **numbers,
+    )
+
+
+def take_over(scene: bpy.types.Scene) -> None:
+    """Take date and place from the add-ons Sun Position and Bonsai where they have changed.
+
+    What a user typed here since stays as long as nothing changes there.
+    """
+    found = {**_of_sun_position(scene), **_of_ifc()}
+    text = json.dumps(found, sort_keys=True)
+    chosen = scene.skylight_place
+    if not found or chosen.taken == text:
+        return
+    for name, value in found.items():
+        setattr(chosen, name, value)
+    chosen.taken = text
+
+
+def _of_sun_position(scene: bpy.types.Scene) -> dict[str, Any]:
+    """What the add-on Sun Position has; empty where no place was set in it."""
+    sun = getattr(scene, "sun_pos_properties", None)
+    if sun is None or not (sun.is_property_set("latitude") or sun.is_property_set("longitude")):
+        return {}
+    month, day = sun.month, sun.day
+    if sun.use_day_of_year:
+        date = datetime.date(sun.year, 1, 1) + datetime.timedelta(days=sun.day_of_year - 1)
+        month, day = date.month, date.day
+    return {
+        "year": sun.year,
+        "month": month,
+        "day": day,
+        "time": sun.time,
+        "timezone": f"{sun.UTC_zone + sun.use_daylight_savings:+g}",
+        "latitude": sun.latitude,
+        "longitude": sun.longitude,
+        "north": math.degrees(sun.north_offset),
+    }
+
+
+def _of_ifc() -> dict[str, Any]:
+    """What the IFC project that Bonsai has open says of its site and of true north."""
+    bonsai = sys.modules.get("bonsai.tool")
+    file = None if bonsai is None else bonsai.Ifc.get()
+    return {} if file is None else of_project(file)
+
+
+def of_project(file: Any) -> dict[str, float]:
+    """Read latitude, longitude and north [degrees] from an IFC project.
+
+    ``file``: an `ifcopenshell.file`. IfcSite has degrees, minutes, seconds and millionths, all of
+    one sign (IfcCompoundPlaneAngleMeasure); TrueNorth of the model's context is a direction in it.
+    """
+    found = {}
+    for site in file.by_type("IfcSite"):
+        if site.RefLatitude and site.RefLongitude:
+            found["latitude"] = _degrees(site.RefLatitude)
+            found["longitude"] = _degrees(site.RefLongitude)
+            break
+    for context in file.by_type("IfcGeometricRepresentationContext"):
+        # Sub-contexts derive it from their parent.
+        if context.is_a() == "IfcGeometricRepresentationContext" and context.TrueNorth:
+            x, y = context.TrueNorth.DirectionRatios[:2]
+            found["north"] = math.degrees(math.atan2(x, y))
+            break
+    return found
+
+
+def _degrees(parts: Any) -> float:
+    return sum(part / size for part, size in zip(parts, (1, 60, 3600, 3.6e9), strict=False))
+
+
+CLASSES = (SkylightPlace,)
+
+
+def attach() -> None:
+    """Give scenes their place."""
+    bpy.types.Scene.skylight_place = bpy.props.PointerProperty(type=SkylightPlace)
+
+
+def detach() -> None:
+    """Take it off again; what it holds stays in the file."""
+    del bpy.types.Scene.skylight_place
