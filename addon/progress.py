@@ -6,6 +6,7 @@ work, which leaves whole what was done until then.
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Generator
 from dataclasses import dataclass
 from typing import TypeVar
@@ -46,5 +47,26 @@ def mapped(
             except StopIteration as end:
                 return end.value
             yield to(step)
+    finally:
+        work.close()
+
+
+def timed(
+    work: Generator[Step, None, Done],
+) -> Generator[Step, None, tuple[Done, float]]:
+    """Do work as a part of other work; return its result and the processor time [s] that it took.
+
+    Closed, it closes the work.
+    """
+    seconds = 0.0
+    try:
+        while True:
+            start = time.process_time()
+            try:
+                step = next(work)
+            except StopIteration as end:
+                return end.value, seconds + time.process_time() - start
+            seconds += time.process_time() - start
+            yield step
     finally:
         work.close()

@@ -5,7 +5,7 @@ import time
 import pytest
 
 from spectral_skylight.addon.commands.progress_bar import run_with_bar
-from spectral_skylight.addon.progress import Progress, mapped, run
+from spectral_skylight.addon.progress import Progress, mapped, run, timed
 
 
 class Work:
@@ -57,6 +57,23 @@ def test_whoever_closes_the_whole_closes_the_part():
     assert not work.ended
     whole.close()
     assert work.ended
+
+
+def test_time_is_that_of_the_work_alone():
+    def work():
+        until = time.process_time() + 0.05
+        while time.process_time() < until:
+            pass
+        yield Progress(0.5, "half")
+        return "made"
+
+    steps = timed(work())
+    next(steps)
+    until = time.process_time() + 0.2  # what others do meanwhile
+    while time.process_time() < until:
+        pass
+    done, seconds = run(steps)
+    assert done == "made" and 0.05 <= seconds < 0.15
 
 
 def test_what_goes_wrong_in_the_part_reaches_the_whole():

@@ -19,7 +19,7 @@ from .. import tags
 from ..choices import BAKED
 from ..errors import InputError
 from ..grouping import grouped
-from ..progress import Progress, run
+from ..progress import Progress, run, timed
 from ..sky.light import SkyLight
 from ..transfer.assignment import Assignment
 from ..transfer.assignment_table import read_table, table_files
@@ -305,7 +305,10 @@ def bake(
     """
     shining = _shining(scene, settings)
     try:
-        return (yield from scene_bake.bake(objects, light=shining, **options))
+        lines, seconds = yield from timed(scene_bake.bake(objects, light=shining, **options))
+        if not (cost := session.account()) or scene_bake.NOTHING in lines:
+            return lines
+        return [*lines, f"all light: {cost}, {seconds:.1f} s"]
     finally:
         lighting.refresh(scene.world)  # lamps shine on what stands in for instances, too
 

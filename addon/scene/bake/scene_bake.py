@@ -19,6 +19,9 @@ from ...progress import Progress, mapped
 from . import geometry, instance_proxies, session, storage, surroundings
 from . import light as light_of_scene
 
+NOTHING = "0 object(s) baked"
+"""The line of a bake that found every object's light new."""
+
 SHAPES = {"MESH", "CURVE", "SURFACE", "FONT"}
 """Kinds of objects that can have the modifier. For instances of collections objects of ours stand
 in (`instances`); metaballs, and what faces, vertices and particles instance, keep the open sky."""

@@ -47,6 +47,8 @@ class _Session:
     collected: Collected
     light: bytes = b""
     """`Light.key` of the one that it was lit by last."""
+    noise: float = 0.0
+    """By which part the last pass of rays has changed the light, in the mean: less is left."""
 
     @property
     def names(self) -> set[str]:
@@ -139,9 +141,12 @@ def baking(
         session = _Session(0, around.origin, around.materials, radiosity, collected)
         shading = _shading(session, light)
         speed = slow if count is None else None
+        last = before[0]
         for done, colours in passes.collect(collected, shading, each[1:], before, speed):
             if colours is not None:
                 _write(session, colours)
+                session.noise = float(np.abs(colours - last).sum() / max(colours.sum(), 1e-30))
+                last = colours
             yield Progress(0.6 + 0.4 * done, points)
         session.key, session.light = _key(), light.key(session.materials)
         _last.append(session)
@@ -214,6 +219,16 @@ def _shading(session: _Session, light: Light) -> Shading:
     lamps = [lamp.seen_from(session.origin) for lamp in light.lamps]
     table, tells, _ = radiosity.solve(light.sky, radiosity.lit_by(lamps))
     return Shading.of(light, session.materials, table, tells)
+
+
+def account() -> str:
+    """How much work the last whole bake was, and what it left, in one line; empty before any."""
+    if not _last:
+        return ""
+    collected, noise = _last[0].collected, _last[0].noise
+    rays = max(map(len, collected.patterns), default=0)
+    points = f"{len(collected.receivers):,} points of up to {rays:,} rays"
+    return f"{points}, noise under {max(100 * noise, 0.1):.1f} %"
 
 
 def is_lit_by(light: Light) -> bool:
