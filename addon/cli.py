@@ -5,16 +5,20 @@ Exit codes: 0 done, 1 failed, 2 wrong usage or bad input (one line on stderr).
 
 from __future__ import annotations
 
+import _thread
 import argparse
 import contextlib
 import io
 import os
+import re
 import signal
 import sys
 import threading
 import traceback
 from collections.abc import Iterator, Sequence
 from importlib import import_module
+from pathlib import Path
+from types import FrameType
 from typing import NoReturn
 
 from .commands import outputs
@@ -40,6 +44,16 @@ PROGRAM = "spectral-skylight"
 
 LABORATORY = ("evaluate", "chart")
 """Those that measure speed, too: as numpy is."""
+
+
+_NOT_NOW = re.compile(
+    r"<frozen importlib|[/\\]scripts[/\\](addons\w*|startup|modules[/\\](?!bpy[/\\]ops))"
+)
+"""Files of code in which no request to end is obeyed, but soon after.
+
+Blender crashes of an exception while it is imported and loses one in its handlers; NumPy loses one
+while it is imported.
+"""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -112,7 +126,13 @@ def _ended_gently() -> Iterator[None]:
     What is half-written is then removed; what the caller ignores, as under nohup, stays ignored.
     """
 
-    def stop(*_: object) -> None:
+    def stop(number: int, frame: FrameType | None) -> None:
+        here = str(Path(__file__).parent)
+        while frame is not None and not frame.f_code.co_filename.startswith(here):
+            if _NOT_NOW.search(frame.f_code.co_filename):
+                threading.Timer(0.05, _thread.interrupt_main, [number]).start()
+                return
+            frame = frame.f_back
         raise KeyboardInterrupt
 
     names = ("SIGTERM", "SIGINT", "SIGHUP")

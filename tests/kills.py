@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from spectral_skylight.addon.scene.files import whole_blend
+from spectral_skylight.addon.scene.output import image_file
 from spectral_skylight.addon.sky.panorama import read_panorama
 from spectral_skylight.addon.spectra import cache
 from spectral_skylight.tests.batch.studies import write_inputs, write_study
@@ -60,7 +61,7 @@ def _pictures(folder: Path) -> None:
     for path in folder.glob("out/prepared/[!.m]*.blend"):
         whole_blend.check(path)
     for path in folder.glob("out/pictures/*/[!.]*.exr"):
-        read_panorama(path)
+        image_file.check(path.read_bytes(), 16, 16)
 
 
 APPLY = ("apply", "house.blend", "--assign", "Wall=paint.csv:red", "--out", "new.blend")

@@ -1,7 +1,10 @@
 """A full disk at ten levels, and kill -9, for commands that write: nothing lost or half-written."""
 
 import os
+import signal
+import subprocess
 import sys
+import time
 
 import pytest
 
@@ -84,11 +87,28 @@ def test_kill_9_leaves_the_old_or_the_whole_new(tmp_path, name):
 
 
 @POSIX
+@pytest.mark.blender
+@pytest.mark.slow
+def test_a_request_to_end_comes_through_while_blender_starts(office):
+    """Blender crashes of an exception in its start, and swallows one in its handlers."""
+    (office / "a.blend").write_bytes(b"old")
+    for moment in (0.3, 0.6, 0.9, 1.3):
+        command = [sys.executable, "-c", kills.MAIN, *WRITE["apply"][0].split()]
+        running = subprocess.Popen(command, cwd=office, stderr=subprocess.PIPE, text=True)
+        time.sleep(moment)
+        running.terminate()
+        said = running.communicate(timeout=60)[1].splitlines()
+        if running.returncode == -signal.SIGTERM:  # it had not begun
+            continue
+        assert running.returncode == 1 and said[-1] == "spectral-skylight: stopped", said
+        assert "Traceback" not in " ".join(said)
+        assert (office / "a.blend").read_bytes() == b"old"
+
+
+@POSIX
 @pytest.mark.parametrize("command", ["library .", "sky --sun-elevation 30 --width 64 --out a.exr"])
 def test_without_home_and_user_name(tmp_path, command):
     """As in a container: an id that nobody has, and no HOME."""
-    import subprocess
-
     write_inputs(tmp_path)
     keep = {key: value for key, value in os.environ.items() if not key.startswith(("HOME", "XDG"))}
     keep.pop("SPECTRAL_SKYLIGHT_CACHE", None)
