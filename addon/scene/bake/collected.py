@@ -100,7 +100,7 @@ class Collected:
         _, first, self._normal = np.unique(keys, return_index=True, return_inverse=True)
         self._normals = receivers.normals[first]
         self._shading: Shading | None = None
-        self._open = np.empty(0, np.float32)
+        self._open: NDArray[np.float32] = np.empty(0, np.float32)
         """(normals, 4), the light of that shading's sky on open faces; NaN where not needed yet."""
         self._ratios: list[NDArray[np.float32]] = []
         """By pattern, (normals, 4), by what that is more than the pattern's rays tell."""
