@@ -86,3 +86,59 @@ def test_a_hundred_thousand_points(benchmark, slow):
     if benchmark.enabled:
         assert seconds["all"] < (60.0 if slow else 15.0)
         assert slow or seconds["relit"] < 2.0
+
+
+def test_a_town_takes_as_long_for_each_house(benchmark):
+    """Four times as many houses and trees, the trees instances of a collection: each takes at most
+    twice as long, where a step that looks at all for each would take four times; and the time told
+    before is within a factor of 4. Processor time."""
+    pytest.importorskip("bpy")
+    from spectral_skylight.addon import progress
+    from spectral_skylight.addon.scene.bake import scene_bake
+    from spectral_skylight.addon.scene.bake.estimate import estimate
+
+    seconds = {}
+
+    def bake(houses):
+        trees_and_houses(houses)
+        told = estimate(scene_bake.targets(), 16).all
+        began = time.process_time()
+        assert progress.run(scene_bake.bake(rays=16)) == [f"{2 * houses} object(s) baked"]
+        seconds[houses] = time.process_time() - began, told
+
+    def both():
+        bake(8)  # what is done once
+        bake(100)
+        bake(400)
+
+    benchmark.pedantic(both, rounds=1)
+    benchmark.extra_info.update({str(key): found for key, found in seconds.items()})
+    if benchmark.enabled:
+        ratio = (seconds[400][0] - seconds[8][0]) / (seconds[100][0] - seconds[8][0])
+        assert ratio < 2.0 * 392 / 92
+        took, told = seconds[400]
+        assert took / 4.0 < told < 4.0 * took
+
+
+def trees_and_houses(count):
+    """So many boxes, and as many instances of a collection with another."""
+    import bpy
+
+    from spectral_skylight.tests import faces
+    from spectral_skylight.tests.buildings import box, material
+
+    faces.empty_scene()
+    made_of = material()
+    tree = box("Tree", (0, 0, 2), (1, 1, 4), made_of)
+    trees = bpy.data.collections.new("Trees")
+    trees.objects.link(tree)
+    bpy.context.scene.collection.objects.unlink(tree)
+    side = int(np.ceil(count**0.5))
+    for k in range(count):
+        x, y = 8.0 * (k % side), 8.0 * (k // side)
+        box(f"House {k}", (x, y, 1.5), (3, 3, 3), made_of)
+        empty = bpy.data.objects.new(f"Tree {k}", None)
+        empty.instance_type, empty.instance_collection = "COLLECTION", trees
+        empty.location = (x + 4, y, 0)
+        bpy.context.scene.collection.objects.link(empty)
+    bpy.context.view_layer.update()

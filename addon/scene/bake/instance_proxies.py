@@ -10,6 +10,7 @@ the Empty its collection back and takes all of ours away.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from itertools import product
 
 import bpy
 from mathutils import Matrix
@@ -116,13 +117,27 @@ def spread(objects: Sequence[bpy.types.Object], wanted: Wanted) -> list[bpy.type
     old = [obj for obj in objects if not is_spread(obj, wanted, there.get(obj, ()))]
     gather(old)
     bpy.context.view_layer.update()  # once for all: each takes as long as the scene is large
+    homes = _homes()
     rests: dict[bpy.types.Collection, bpy.types.Collection] = {}
     for obj in old:
         collection = obj.instance_collection
-        _spread(obj, obj, collection, Matrix(), wanted, collection, rests)
+        made = _spread(obj, obj, collection, Matrix(), wanted, collection, rests)
+        for child, home in product(made, homes.get(obj, ())):
+            home.objects.link(child)
     bpy.context.view_layer.update()
     there = all_stand_ins()
     return [child for obj in objects for child in there.get(obj, ())]
+
+
+def _homes() -> dict[bpy.types.Object, list[bpy.types.Collection]]:
+    """The collections of the user that objects are in: `users_collection` searches all for each."""
+    scenes = [scene.collection for scene in bpy.data.scenes]
+    found: dict[bpy.types.Object, list[bpy.types.Collection]] = {}
+    for collection in (*scenes, *bpy.data.collections):
+        if tags.RECEIVERS not in collection and tags.REST not in collection:
+            for obj in collection.objects:
+                found.setdefault(obj, []).append(collection)
+    return found
 
 
 def gather(objects: Sequence[bpy.types.Object]) -> None:
@@ -174,8 +189,8 @@ def _shown(collection: bpy.types.Collection) -> Iterator[bpy.types.Object]:
         yield from _shown(child)
 
 
-def _spread(parent, root, collection, at, wanted, kept, rests) -> None:
-    """Hand an Empty the rest of a collection, and put what is wanted of it under the root.
+def _spread(parent, root, collection, at, wanted, kept, rests) -> Iterator[bpy.types.Object]:
+    """Hand an Empty the rest of a collection, and yield what is put under the root instead.
 
     ``rests``: those that other Empties were handed just now, by their collections.
     """
@@ -195,12 +210,13 @@ def _spread(parent, root, collection, at, wanted, kept, rests) -> None:
             )
             nested[tags.REST] = source.name_full
             _place(nested, root, at @ source.matrix_world)
-            _spread(nested, root, inside, at @ source.matrix_world, wanted, kept, rests)
+            yield nested
+            yield from _spread(nested, root, inside, at @ source.matrix_world, wanted, kept, rests)
         elif source.type in SHAPES and wanted(source):
-            _stand_in(source, root, at, kept)
+            yield _stand_in(source, root, at, kept)
 
 
-def _stand_in(source, root, at, kept) -> None:
+def _stand_in(source, root, at, kept) -> bpy.types.Object:
     mesh = bpy.data.meshes.new(f"{sky_instance.KIND} {source.name}")
     obj = bpy.data.objects.new(mesh.name, mesh)
     for slot in source.material_slots:
@@ -219,13 +235,11 @@ def _stand_in(source, root, at, kept) -> None:
     modifier = obj.modifiers.new(sky_instance.KIND, "NODES")
     modifier.node_group = sky_instance.ensure()
     modifiers.set_inputs(modifier, Source=source, Collection=kept)
+    return obj
 
 
 def _place(obj, root, at) -> None:
     """Put an object under the root, which it follows in place and visibility."""
-    for collection in root.users_collection:
-        if tags.RECEIVERS not in collection:
-            collection.objects.link(obj)
     obj.parent, obj.matrix_parent_inverse = root, at
     obj.hide_select = True
     for path in ("hide_render", "hide_viewport"):

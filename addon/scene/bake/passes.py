@@ -78,6 +78,11 @@ def rays_of(points: int, slow: bool = False) -> list[int]:
     return ends
 
 
+def left(points: int, slow: bool = False) -> float:
+    """Return how many rays so many points may cast after the first two passes."""
+    return max(0.0, BUDGET[_speed(slow)] - points * rays_of(points, slow)[1])
+
+
 def _speed(slow: bool) -> int:
     return 0 if rays.fast() and not slow else 1
 

@@ -18,6 +18,7 @@ from ...grouping import grouped
 from ...progress import Progress, mapped
 from . import geometry, instance_proxies, session, storage, surroundings
 from . import light as light_of_scene
+from .estimate import estimate
 
 NOTHING = "0 object(s) baked"
 """The line of a bake that found every object's light new."""
@@ -134,6 +135,10 @@ def bake(
             chosen = [obj for obj in chosen if obj not in refused]
             if not chosen:
                 continue
+            if not done:
+                later = [obj for each, more in stages[number + 1 :] for obj in (*each, *more)]
+                seconds = estimate([*chosen, *later], rays, slow).all
+                yield Progress(0.0, f"about {seconds:.0f} s")
             first_only = number + 1 < len(stages)
             how = session.How(rays, tolerance, slow, first_only)
             work = session.baking(chosen, light or light_of_scene.Light(), how)

@@ -37,8 +37,9 @@ class Shelf:
 
     def show_new(self) -> None:
         """Let objects show their new light."""
-        for obj, new in zip(self._objects, self._new, strict=True):
-            modifiers.set_inputs(storage.modifier_of(obj), **new)
+        for obj, old, new in zip(self._objects, self._old, self._new, strict=True):
+            if old is not None:  # else it shows it already, and is not evaluated again
+                modifiers.set_inputs(storage.modifier_of(obj), **new)
 
     def clear(self) -> None:
         """Take the last light away: the new one is there, and has its names."""
