@@ -19,6 +19,7 @@ from ...whole_files import writing
 
 _HEAD = re.compile(rb"BLENDER(?:(?P<old>[-_])[vV]\d{3}|17-01v\d{4})")
 _BLOCK = {b"-": "<4si16x", b"_": "<4si12x", None: "<4s12xq8x"}  # code and length of a block
+_CODE = re.compile(rb"[A-Z\d_]{4}|[A-Z\d_]{2}\0\0")
 _FRAME, _SEEK_TABLE, _SEEKABLE = 0xFD2FB528, 0x184D2A5E, 0x8F92EAB1
 
 
@@ -54,7 +55,7 @@ def _check_blocks(content: mmap.mmap, head: re.Match[bytes]) -> None:
         code, length = form.unpack_from(content, place)
         codes.add(code)
         place += form.size + length
-        if length < 0:
+        if length < 0 or not _CODE.fullmatch(code):  # zeros would lead back into step
             raise ValueError
     if place != len(content) or b"DNA1" not in codes:
         raise ValueError
