@@ -35,6 +35,20 @@ def share_reflected(cos: Value, roughness: Value, ior: Value, level: Value | Non
     return F0.multiply_add(facing, peak).clamp()
 
 
+def over_schlick(cos: Value, ior: Value, level: Value) -> Value:
+    """By what a reflectance at normal incidence must grow for Schlick's curve to give Fresnel's.
+
+    F0' = (F - (1 - cos)^5) / (1 - (1 - cos)^5), by F0; 1 to 2. Schlick's curve, which Eevee has,
+    lacks a quarter of what glass reflects at 55 degrees; what it has too much beyond 75 degrees is
+    less than roughness takes there. F is that of the index which `level` gives.
+    """
+    root = ((ior - 1.0) / (ior + 1.0) * (level * 2.0).sqrt()).maximum(1e-3).minimum(0.9)
+    grazing = (1.0 - cos) ** 5.0
+    exact, _ = smooth(cos, (root + 1.0) / (1.0 - root))
+    needed = (exact - grazing) / (1.0 - grazing).maximum(1e-3)
+    return (needed / (root * root)).maximum(1.0).minimum(2.0)
+
+
 def smooth(cos: Value, ior: Value) -> tuple[Value, Value]:
     """The exact reflectance of a smooth dielectric for unpolarized light, and cos of refraction.
 

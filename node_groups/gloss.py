@@ -1,9 +1,10 @@
 """What lies over the spectral base of a surface: `Spectral Gloss`, `Spectral Metal` and both mixed.
 
 Gloss, coat and metal come from Principled BSDFs without a diffuse part, so they look as Blender's
-do; the base keeps what gloss and coat leave, (1 - gloss)(1 - coat) as seen from the view, as
-Blender itself has it. Nothing here is diffuse, for what lamps say to a Diffuse is said to the base
-alone. Three trees, for a second Principled costs its closures even where its weight is 0.
+do, but in Eevee gloss has Fresnel's reflectance in place of Schlick's. The base keeps what gloss
+and coat leave, (1 - gloss)(1 - coat) as seen from the view, as Blender itself has it. Nothing here
+is diffuse, for what lamps say to a Diffuse is said to the base alone. Three trees, for a second
+Principled costs its closures even where its weight is 0.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from .tree import Socket
 from .value import Value, inputs
 
 GLOSS, METAL, MIXED = KINDS = ("Spectral Gloss", "Spectral Metal", "Spectral Gloss and Metal")
-VERSION = 1
+VERSION = 2
 OUTPUTS = {"Shader": "Base", "Cycles": "Base Cycles"}
 METAL_COLOURS = {"Metal Color": "Base Color", "Metal Edge": "Specular Tint"}
 WHITE = (1.0, 1.0, 1.0, 1.0)
@@ -86,25 +87,32 @@ def _build(tree: bpy.types.NodeTree, kind: str) -> None:
     coat_normal = normals.build(tree, given["Coat Normal"])
     clear = add("ShaderNodeBsdfTransparent").outputs[0]
 
-    def principled(metallic: float, colours: Mapping[str, str]) -> bpy.types.NodeSocket:
+    def principled(
+        metallic: float, colours: Mapping[str, str], **other: Value
+    ) -> bpy.types.NodeSocket:
         shared = {socket.name: socket.name for socket in PRINCIPLED}
         fed = {name: given[source] for source, name in {**shared, **colours}.items()}
-        fed |= {"Normal": normal, "Coat Normal": coat_normal}
+        fed |= {"Normal": normal, "Coat Normal": coat_normal, **other}
         black = (0.0, 0.0, 0.0, 1.0)
         return add("ShaderNodeBsdfPrincipled", black, metallic, into=fed).outputs[0]
 
-    gloss = share = metal = None
+    share = metal = None
+    glosses: dict[str, bpy.types.NodeSocket] = {}
     if kind != METAL:
-        gloss = principled(0.0, {})
+        level = given["Specular IOR Level"]
+        cos = fresnel.cosine(tree, normal)
+        exact = fresnel.over_schlick(cos, given["IOR"], level)
+        eevee = {"Specular IOR Level": level * exact}
+        glosses = {"Base": principled(0.0, {}, **eevee), "Base Cycles": principled(0.0, {})}
         share = _share_left(tree, given, normal, coat_normal)
     if kind != GLOSS:
         metal = principled(1.0, METAL_COLOURS)
     whole = []
     for base in OUTPUTS.values():
         shader = metal
-        if gloss is not None:
+        if glosses:
             left = add("ShaderNodeMixShader", share, None, given[base]).outputs[0]
-            shader = add("ShaderNodeAddShader", left, gloss).outputs[0]
+            shader = add("ShaderNodeAddShader", left, glosses[base]).outputs[0]
             if metal is not None:
                 mix = add("ShaderNodeMixShader", given["Metallic"], shader, metal)
                 shader = mix.outputs[0]

@@ -1,5 +1,7 @@
 """Gloss over a base loses and makes no light; textures and panes show what their numbers say."""
 
+from functools import partial
+
 import bpy
 import numpy as np
 import pytest
@@ -64,18 +66,19 @@ def test_in_an_even_light_gloss_is_not_seen(tmp_path, kind):
     put = faces.add_faces(scene, normals)
     put.visible_glossy = put.visible_diffuse = False  # in Cycles a face would see its neighbours
 
-    def make(tree):
+    def make(tree, engine, output):
         node = groups.add(tree, "ShaderNodeGroup", node_tree=gloss.ensure(kind))
         if kind != gloss.METAL:
             emission = groups.add(tree, "ShaderNodeEmission", (1.0, 1.0, 1.0, 1.0))
             for base in gloss.OUTPUTS.values():
                 tree.links.new(emission.outputs[0], node.inputs[base])
         for name, given in values.items():
-            tree.links.new(attribute(put.data, tree, name, given), node.inputs[name])
-        return node.outputs["Shader"]
+            socket = attribute(put.data, tree, f"{engine} {name}", given)
+            tree.links.new(socket, node.inputs[name])
+        return node.outputs[output]
 
-    put.material_slots[0].material = material_of(make)
-    for engine in ("cycles", "eevee"):
+    for engine, output in (("cycles", "Cycles"), ("eevee", "Shader")):
+        put.material_slots[0].material = material_of(partial(make, engine=engine, output=output))
         off = faces.seen(scene, tmp_path, count, engine)[:, 0] - 1.0
         # The share that gloss takes is fitted to 0.008 on average; what a Principled itself
         # reflects differs by as much from one engine to the other (see `share_reflected`), and both

@@ -275,8 +275,10 @@ def _take_over(
 
 
 def _tell_engines_apart(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
-    """Give Cycles an output of its own where the light probe, which only Eevee knows, is in use."""
+    """Give Cycles an output of its own where the light probe, which only Eevee knows, is in use,
+    and over gloss, of which Eevee alone lacks some."""
     apart = skylight_surface.features_of(node.node_tree).probe
+    apart |= any(n.get(tags.NODE) == "gloss" and "Base" in n.inputs for n in tree.nodes)
     outputs = material_outputs.shown(tree)
     added = next((n for n in tree.nodes if n.get(tags.NODE) == "Cycles"), None)
     if not apart and added is not None:
