@@ -59,6 +59,13 @@ def test_sun_by_date_and_place(tmp_path, capsys):
     assert "sun at 60.9" in out and "azimuth 180." in out
 
 
+def test_a_standard_sky(tmp_path, capsys):
+    found = make(tmp_path / "a.exr", "--sun-elevation", 30, "--cie", 5, "--illuminance", 10000)
+    assert "CIE standard sky 5, uniform" in capsys.readouterr().out
+    luminance = found.rgb[: len(found.rgb) // 2] @ [0.2126, 0.7152, 0.0722]
+    np.testing.assert_allclose(luminance, 1 / np.pi, rtol=1e-3)  # the weights have four digits
+
+
 def test_standard_error_is_stated(tmp_path, capsys):
     make(tmp_path / "a.exr", "--sun-elevation", 30)
     assert "standard error of the irradiance at most 0." in capsys.readouterr().out
@@ -72,6 +79,10 @@ def test_standard_error_is_stated(tmp_path, capsys):
         ([], "--sun-elevation or --date"),
         (["--sun-elevation", "20", "--date", "2025-06-21"], "--sun-elevation or --date"),
         (["--date", "2025-06-21"], "--latitude"),
+        (["--sun-elevation", "20", "--cie", "16"], "--cie: there is no standard sky 16"),
+        (["--sun-elevation", "-3", "--cie", "1"], "--sun-elevation: -3°"),
+        (["--sun-elevation", "20", "--cie", "1", "--illuminance", "0"], "--illuminance: 0 lx"),
+        (["--sun-elevation", "20", "--illuminance", "9000"], "give --cie too"),
         (["--date", "2025-13-01", "--latitude", "0", "--longitude", "0"], "--date"),
         (["--sun-elevation", "20", "--orders", "some"], "--orders"),
         (["--sun-elevation", "20", "--orders", "0"], "--orders"),

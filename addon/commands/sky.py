@@ -1,4 +1,4 @@
-"""`sky`: a clear sky as a lat-long HDRI."""
+"""`sky`: a clear sky, or a standard one of the CIE, as a lat-long HDRI."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .outputs import output
 
 def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
-    parser = commands.add_parser("sky", help="simulate a clear sky as a lat-long HDRI")
+    parser = commands.add_parser("sky", help="simulate a sky as a lat-long HDRI")
     parser.add_argument("--sun-elevation", type=float, metavar="DEG", help="in degrees, -6 to 90")
     parser.add_argument(
         "--sun-azimuth", type=float, metavar="DEG", help="in degrees from north; default 180"
@@ -36,6 +36,20 @@ def add(commands: Commands) -> None:
         default="UTC",
         metavar="ZONE",
         help="name such as Europe/Berlin, or hours east of UTC such as +2",
+    )
+    parser.add_argument(
+        "--cie",
+        type=int,
+        metavar="N",
+        help="CIE standard general sky of that number instead of a clear sky: 1 overcast, "
+        "5 uniform, 12 clear, up to 15",
+    )
+    parser.add_argument(
+        "--illuminance",
+        type=float,
+        metavar="LUX",
+        help="of --cie: illuminance of the sky, without the sun, on level ground; by default "
+        "that of the clear sky and of a mean overcast one, by the sky's share of cloud",
     )
     parser.add_argument(
         "--sun-disc", action="store_true", help="include the sun's disc in the picture"
@@ -116,20 +130,35 @@ def run(options: argparse.Namespace) -> None:
         seed=options.seed,
         progress=sys.stderr.isatty(),
     )
+    shown, kind = _kind(options, sky)
     view = options.width // 2, azimuth, options.sun_disc
     if options.out:
         attributes = {
             "whiteLuminance": WHITE_LUMINANCE,
-            "comments": f"clear sky, sun elevation {elevation:.4g}, azimuth {azimuth:.4g} degrees",
+            "comments": f"{kind}, sun elevation {elevation:.4g}, azimuth {azimuth:.4g} degrees",
         }
-        write_panorama(options.out, picture(sky, *view, observer() * SCALE), attributes)
+        write_panorama(options.out, picture(shown, *view, observer() * SCALE), attributes)
     if options.spectral:
-        write_spectral(options.spectral, picture(sky, *view), WAVELENGTHS)
+        write_spectral(options.spectral, picture(shown, *view), WAVELENGTHS)
     error = (sky.irradiance_error() / sky.irradiance()).max()
+    if options.cie is not None:
+        print(kind)
     print(
         f"sun at {elevation:.2f}°, azimuth {azimuth:.2f}°; "
         f"standard error of the irradiance at most {100 * error:.2f} % at any wavelength"
     )
+
+
+def _kind(options: argparse.Namespace, clear: Any) -> tuple[Any, str]:
+    """Return the sky that the options ask for, of a clear one, and what it is called."""
+    if options.cie is None:
+        if options.illuminance is not None:
+            raise InputError("--illuminance", "is of a standard sky", "give --cie too")
+        return clear, "clear sky"
+    from ..sky.cie_skies import STANDARDS, cie_sky
+
+    sky = cie_sky(options.cie, clear, options.illuminance)
+    return sky, f"CIE standard sky {options.cie}, {STANDARDS[options.cie].name}"
 
 
 def _sun(options: argparse.Namespace) -> tuple[float, float]:

@@ -5,15 +5,15 @@ The upper half is `simulation.simulate`'s; the lower half is level ground, lit b
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, parameter
 from ..spectra.sensitivities import observer
 from .scattering import direction
-from .simulation import SimulatedSky, simulate
+from .simulation import simulate
 
 SUN_ANGULAR_RADIUS = 0.2665
 """[degrees] at one astronomical unit."""
@@ -26,6 +26,31 @@ LUMINOUS_EFFICACY = 683.002
 
 SCALE = LUMINOUS_EFFICACY / WHITE_LUMINANCE
 """What `observer` times radiance is multiplied by to be such RGB."""
+
+
+class Sky(Protocol):
+    """What `picture` draws: `SimulatedSky`, and `mixed_sky.MixedSky`."""
+
+    @property
+    def sun_elevation(self) -> float:
+        """Where the sun stands [degrees]."""
+
+    @property
+    def direct(self) -> NDArray[np.float64]:
+        """The sun on a face towards it, (k,) [W m^-2 nm^-1]."""
+
+    @property
+    def ground(self) -> NDArray[np.float64]:
+        """The reflectance of the ground, (81,)."""
+
+    def radiance(self, elevation: ArrayLike, from_sun: ArrayLike) -> NDArray[np.float64]:
+        """Return the radiance from directions [rad], (..., k) [W m^-2 sr^-1 nm^-1]."""
+
+    def irradiance(self) -> NDArray[np.float64]:
+        """Return the irradiance without the sun on level ground, (k,) [W m^-2 nm^-1]."""
+
+    def seen_by(self, sensitivities: NDArray[np.float64]) -> Sky:
+        """Return it with sensors (j, k) in place of its channels."""
 
 
 def clear_sky(
@@ -70,7 +95,7 @@ def clear_sky(
 
 
 def picture(
-    sky: SimulatedSky,
+    sky: Sky,
     height: int,
     sun_azimuth: float = 180.0,
     sun_disc: bool = False,

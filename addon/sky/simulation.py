@@ -108,13 +108,13 @@ class SimulatedSky:
     def irradiance(self, order: str | None = None) -> NDArray[np.float64]:
         """Return the irradiance of the sky, without the sun, on level ground, (81,)."""
         # Finer than the tables, for the brightness around the sun.
-        elevation, azimuth, share = _nodes(96, 181)
+        elevation, azimuth, share = nodes(96, 181)
         radiance = self.radiance(elevation[:, None], azimuth, order)
         return np.einsum("ea,eaw->w", share, radiance)
 
     def irradiance_error(self) -> NDArray[np.float64]:
         """Return the standard error of `irradiance`, (81,)."""
-        share = _nodes(*self.error.shape[:2])[2]
+        share = nodes(*self.error.shape[:2])[2]
         return np.sqrt(np.einsum("ea,eaw->w", share**2, self.error.astype(float) ** 2))
 
 
@@ -256,7 +256,7 @@ def row_elevations(rows: int) -> NDArray[np.float64]:
     return np.pi / 2 * ((np.arange(rows) + 0.5) / rows) ** 2
 
 
-def _nodes(rows: int, columns: int) -> tuple[NDArray, NDArray, NDArray]:
+def nodes(rows: int, columns: int) -> tuple[NDArray, NDArray, NDArray]:
     """Return elevations, azimuths and what each pair counts in an irradiance (rows, columns)."""
     place = (np.arange(rows) + 0.5) / rows
     elevation = row_elevations(rows)
@@ -268,7 +268,7 @@ def _nodes(rows: int, columns: int) -> tuple[NDArray, NDArray, NDArray]:
 
 def _views(rows: int, columns: int) -> NDArray[np.float64]:
     """Return a table's directions with the sun over +x, (rows columns, 3)."""
-    elevation, azimuth, _ = _nodes(rows, columns)
+    elevation, azimuth, _ = nodes(rows, columns)
     return direction(elevation[:, None], azimuth).reshape(-1, 3)
 
 
