@@ -3,7 +3,7 @@
 import bpy
 
 STEPS = (
-    ("load_sky", "use_world", "make_sky", "make_spectral", "update", "remove_all"),
+    ("open_example", "load_sky", "use_world", "make_sky", "make_spectral", "update", "remove_all"),
     ("choose_reflectance", "apply", "apply_selected", "apply_all", "estimate"),
     ("remove", "remove_selected"),
     ("explain",),

@@ -21,6 +21,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         column.operator("skylight.load_sky", text="Load Sky HDRI...", icon="FILEBROWSER")
         column.operator("skylight.use_world", text="Use My World")
         column.operator("skylight.make_sky", text="From Date and Place...", icon="LIGHT_SUN")
+        box.operator("skylight.open_example", icon="HOME")
         return
     try:
         seen = hdri.sky_of(world)

@@ -6,8 +6,9 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene.materials import spectral_material
-from spectral_skylight.addon.scene.world import light_group, settings
+from spectral_skylight.addon.scene import example_house
+from spectral_skylight.addon.scene.materials import eligibility, spectral_material
+from spectral_skylight.addon.scene.world import light_group, panorama, settings
 from spectral_skylight.addon.ui import properties
 from spectral_skylight.tests.ui.stage import (
     error_of,
@@ -203,3 +204,16 @@ def test_solid_mode_shows_the_swatch_and_gets_its_colour_back(scene, brick):
     wall.diffuse_color = (1, 0, 1, 1)  # what a person chose meanwhile stays
     bpy.ops.skylight.remove()
     assert tuple(wall.diffuse_color) == (1, 0, 1, 1)
+
+
+def test_the_example_is_a_scene_of_its_own(scene):
+    before = [obj.name for obj in scene.objects], scene.world.name
+    bpy.ops.skylight.open_example()
+    example = bpy.data.scenes[example_house.NAME]
+    assert ([obj.name for obj in scene.objects], scene.world.name) == before
+    assert all(eligibility.reason(material) == "" for material in eligibility.materials_of(example))
+    assert {m.name for m in eligibility.materials_of(example)} == set(example_house.PAINTS)
+    assert panorama.light_of(
+        example.world, settings.Settings().sensors
+    ).sun.elevation == pytest.approx(8.6, abs=1.0)
+    assert example.camera is not None
