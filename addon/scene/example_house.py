@@ -34,6 +34,8 @@ PAINTS = {
 """Base colors, linear Rec.709."""
 
 Corner = tuple[float, float, float]
+Shape = tuple[list[Corner], list[tuple[int, ...]]]
+"""A mesh's places, and the numbers of each face's corners."""
 
 BOXES: dict[str, tuple[str, Corner, Corner]] = {
     "Ground": ("Lawn", (-40, -40, -0.3), (40, 40, 0)),
@@ -64,8 +66,8 @@ def build() -> bpy.types.Scene:
     scene = bpy.data.scenes.new(NAME)
     paints = {name: _paint(name, color) for name, color in PAINTS.items()}
     for name, (paint, low, high) in BOXES.items():
-        _add(scene, name, *_box(low, high), paints[paint])
-    _add(scene, "Roof", *_gable((-4.5, -0.6, 3.0), (2.7, 5.6, 5.2)), paints["Roof Tiles"])
+        _add(scene, name, _box(low, high), paints[paint])
+    _add(scene, "Roof", _gable((-4.5, -0.6, 3.0), (2.7, 5.6, 5.2)), paints["Roof Tiles"])
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     camera.location = EYE
     camera.rotation_euler = (Vector(AIM) - Vector(EYE)).to_track_quat("-Z", "Y").to_euler()
@@ -84,21 +86,34 @@ def _paint(name: str, color: Sequence[float]) -> bpy.types.Material:
     return material
 
 
-def _add(scene, name, places, faces, paint) -> None:
+def _add(
+    scene: bpy.types.Scene,
+    name: str,
+    shape: Shape,
+    paint: bpy.types.Material,
+) -> None:
     mesh = bpy.data.meshes.new(name)
+    places, faces = shape
     mesh.from_pydata(places, [], faces)
     mesh.materials.append(paint)
     scene.collection.objects.link(bpy.data.objects.new(name, mesh))
 
 
-def _box(low: Corner, high: Corner):
+def _box(low: Corner, high: Corner) -> Shape:
     x, y, z = zip(low, high, strict=True)
     places = [(x[i & 1], y[i >> 1 & 1], z[i >> 2]) for i in range(8)]
-    faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    faces: list[tuple[int, ...]] = [
+        (0, 2, 3, 1),
+        (4, 5, 7, 6),
+        (0, 1, 5, 4),
+        (2, 6, 7, 3),
+        (0, 4, 6, 2),
+        (1, 3, 7, 5),
+    ]
     return places, faces
 
 
-def _gable(low: Corner, high: Corner):
+def _gable(low: Corner, high: Corner) -> Shape:
     """A prism whose ridge runs along x over a box's middle."""
     (x0, y0, z0), (x1, y1, z1) = low, high
     ridge = (y0 + y1) / 2.0
