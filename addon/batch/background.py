@@ -49,10 +49,7 @@ class Background:
         ``state``: ``starting``, ``preparing``, ``rendering``; ``done``, ``failed``, ``stopped``.
         """
         ended = self._process.poll()
-        try:
-            found = json.loads((self.out / STATUS).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            found = {"state": "starting", "line": "starting"}
+        found = _read(self.out / STATUS) or {"state": "starting", "line": "starting"}
         if ended is None or found["state"] in ("done", "stopped"):
             return found
         return {**found, "state": "failed", "line": self._last_words() or f"exit code {ended}"}
@@ -76,3 +73,16 @@ class Background:
         lines = self._log.read().decode(errors="replace").splitlines()
         ours = [line for line in lines if line.startswith("spectral-skylight: ")]
         return ours[-1].removeprefix("spectral-skylight: ") if ours else ""
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """Return what a status file says, empty where it is none or somebody has changed it."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else {}
+    except (OSError, ValueError, RecursionError):
+        return {}
+    right = isinstance(found, dict) and all(
+        isinstance(found.get(name), str) for name in ("state", "line")
+    )
+    numbers = (found.get(name) or 0 for name in ("done", "failed", "total")) if right else ()
+    return found if right and all(type(each) is int for each in numbers) else {}

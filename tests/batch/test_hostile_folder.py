@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from spectral_skylight.addon.batch import prepare, report, study
+from spectral_skylight.addon.batch import background, prepare, report, study
 from spectral_skylight.addon.batch.plan import read_header, read_tasks
 from spectral_skylight.addon.batch.task import SCRIPTS, copy_scripts, task_of
 from spectral_skylight.addon.batch.worker import Worker
@@ -183,6 +183,21 @@ def test_another_study_s_folder_and_a_person_s_files_are_refused(tmp_path):
     (out / "plan.jsonl").write_text("mine")
     with pytest.raises(InputError, match="is not a plan and would be written over"):
         study.read_study(second)
+
+
+@pytest.mark.parametrize(
+    ("text", "is_read"),
+    [
+        ('{"state": "rendering", "line": "1", "done": 1, "total": 2}', True),
+        ("[]", False),
+        ("[" * 99999, False),
+        ('{"state": 7, "line": "x"}', False),
+        ('{"state": "done", "line": "x", "done": "9"}', False),
+    ],
+)
+def test_a_status_that_somebody_wrote_is_none(tmp_path, text, is_read):
+    (tmp_path / "status.json").write_text(text)
+    assert bool(background._read(tmp_path / "status.json")) is is_read
 
 
 def test_only_what_a_record_of_ours_names_is_deleted(tmp_path):
