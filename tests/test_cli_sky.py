@@ -7,6 +7,8 @@ import pytest
 
 from spectral_skylight.addon import cli
 from spectral_skylight.addon.sky.panorama import read_panorama, write_panorama
+from spectral_skylight.addon.sky.sun_position import sun_position
+from spectral_skylight.tests.sky.test_all_weather import epw, row
 
 
 def make(path, *options):
@@ -66,6 +68,17 @@ def test_a_standard_sky(tmp_path, capsys):
     np.testing.assert_allclose(luminance, 1 / np.pi, rtol=1e-3)  # the weights have four digits
 
 
+def test_the_sky_of_a_weather_file(tmp_path, capsys):
+    file = epw(tmp_path / "a.epw", [row(15, 700, 120)])
+    found = make(tmp_path / "a.exr", "--date", "2025-06-21", "--time", "14:30", "--epw", file)
+    out = capsys.readouterr().out
+    assert "sky of Zürich: direct 700 and diffuse 120 W/m², 4 % cloud" in out
+    elevation, _ = sun_position("2025-06-21", "14:30", 47.4, 8.6, "+1")
+    assert f"sun at {elevation:.2f}°" in out
+    # Diffuse daylight has some 130 lm/W: 15,600 lx, over pi and 10,000 cd/m².
+    assert 0.3 < found.rgb[: len(found.rgb) // 2].mean() < 0.8
+
+
 def test_standard_error_is_stated(tmp_path, capsys):
     make(tmp_path / "a.exr", "--sun-elevation", 30)
     assert "standard error of the irradiance at most 0." in capsys.readouterr().out
@@ -79,6 +92,10 @@ def test_standard_error_is_stated(tmp_path, capsys):
         ([], "--sun-elevation or --date"),
         (["--sun-elevation", "20", "--date", "2025-06-21"], "--sun-elevation or --date"),
         (["--date", "2025-06-21"], "--latitude"),
+        (["--epw", "a.epw"], "--epw: the hour is unknown"),
+        (["--date", "2025-06-21", "--epw", "none.epw"], "none.epw"),
+        (["--date", "2025-06-21", "--epw", "a", "--cie", "1"], "leave --cie out"),
+        (["--date", "2025-06-21", "--epw", "a", "--latitude", "1"], "leave --latitude"),
         (["--sun-elevation", "20", "--cie", "16"], "--cie: there is no standard sky 16"),
         (["--sun-elevation", "-3", "--cie", "1"], "--sun-elevation: -3°"),
         (["--sun-elevation", "20", "--cie", "1", "--illuminance", "0"], "--illuminance: 0 lx"),

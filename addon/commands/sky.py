@@ -1,4 +1,4 @@
-"""`sky`: a clear sky, or a standard one of the CIE, as a lat-long HDRI."""
+"""`sky`: a clear sky, a standard one of the CIE or one of measured weather, as a lat-long HDRI."""
 
 from __future__ import annotations
 
@@ -43,6 +43,12 @@ def add(commands: Commands) -> None:
         metavar="N",
         help="CIE standard general sky of that number instead of a clear sky: 1 overcast, "
         "5 uniform, 12 clear, up to 15",
+    )
+    parser.add_argument(
+        "--epw",
+        metavar="FILE.epw",
+        help="sky of an hour's measured weather: place and zone are the file's, --date and --time "
+        "in its standard time",
     )
     parser.add_argument(
         "--illuminance",
@@ -116,6 +122,7 @@ def run(options: argparse.Namespace) -> None:
         raise InputError("sky", "no output file", "give --out SKY.exr or --spectral FILE.exr")
     if not 8 <= options.width <= 8192:
         raise InputError("--width", f"{options.width} pixels", "give 8 to 8192")
+    hour = _hour(options)
     elevation, azimuth = _sun(options)
     if not abs(azimuth) <= 360.0:
         raise InputError("--sun-azimuth", f"{azimuth:g}°", "give -360 to 360")
@@ -130,7 +137,7 @@ def run(options: argparse.Namespace) -> None:
         seed=options.seed,
         progress=sys.stderr.isatty(),
     )
-    shown, kind = _kind(options, sky)
+    shown, kind = _kind(options, sky, hour)
     view = options.width // 2, azimuth, options.sun_disc
     if options.out:
         attributes = {
@@ -141,7 +148,7 @@ def run(options: argparse.Namespace) -> None:
     if options.spectral:
         write_spectral(options.spectral, picture(shown, *view), WAVELENGTHS)
     error = (sky.irradiance_error() / sky.irradiance()).max()
-    if options.cie is not None:
+    if shown is not sky:
         print(kind)
     print(
         f"sun at {elevation:.2f}°, azimuth {azimuth:.2f}°; "
@@ -149,8 +156,33 @@ def run(options: argparse.Namespace) -> None:
     )
 
 
-def _kind(options: argparse.Namespace, clear: Any) -> tuple[Any, str]:
+def _hour(options: argparse.Namespace) -> Any:
+    """Return the hour of a weather file, None without; the options get its place and zone."""
+    if options.epw is None:
+        return None
+    from ..sky.epw import read_hour
+
+    if options.cie is not None:
+        raise InputError("--epw", "says what the sky is like", "leave --cie out")
+    if options.date is None:
+        raise InputError("--epw", "the hour is unknown", "give --date and --time too")
+    if options.latitude is not None or options.longitude is not None:
+        raise InputError("--epw", "says the place", "leave --latitude and --longitude out")
+    hour = read_hour(options.epw, options.date, options.time)
+    options.latitude, options.longitude = hour.latitude, hour.longitude
+    options.timezone = hour.timezone
+    return hour
+
+
+def _kind(options: argparse.Namespace, clear: Any, hour: Any) -> tuple[Any, str]:
     """Return the sky that the options ask for, of a clear one, and what it is called."""
+    if hour is not None:
+        from ..sky.all_weather import SOLAR_CONSTANT, all_weather_sky
+
+        outside = hour.extraterrestrial or SOLAR_CONSTANT
+        sky = all_weather_sky(clear, hour.direct, hour.diffuse, extraterrestrial=outside)
+        measured = f"direct {hour.direct:g} and diffuse {hour.diffuse:g} W/m²"
+        return sky, f"sky of {hour.station}: {measured}, {100 * sky.cover:.0f} % cloud"
     if options.cie is None:
         if options.illuminance is not None:
             raise InputError("--illuminance", "is of a standard sky", "give --cie too")

@@ -22,6 +22,9 @@ from ..spectra.sensitivities import cmfs
 from .clear_sky import LUMINOUS_EFFICACY
 from .simulation import SimulatedSky, nodes
 
+PHOTOPIC: NDArray[np.float64] = LUMINOUS_EFFICACY * WEIGHTS * cmfs()[1]
+"""(81,). Times radiance [W m^-2 sr^-1 nm^-1]: luminance [cd/m^2]."""
+
 Luminance = Callable[[NDArray, NDArray], NDArray]
 """Relative luminance (...) at elevations and azimuths from the sun (...) [rad]."""
 
@@ -89,15 +92,14 @@ def mixed(
     """
     if illuminance is not None and not 0.0 < illuminance <= 2.0e5:
         raise InputError(parameter("illuminance"), f"{illuminance:g} lx", "give up to 200000")
-    photopic = LUMINOUS_EFFICACY * WEIGHTS * cmfs()[1]
     if illuminance is None:
-        bright = float(clear.irradiance() @ photopic)
+        bright = float(clear.irradiance() @ PHOTOPIC)
         illuminance = cover * overcast + (1 - cover) * bright
     elevation, azimuth, share = nodes(96, 181)
     relative = float((share * luminance(*np.broadcast_arrays(elevation[:, None], azimuth))).sum())
     return MixedSky(
-        clear.seen_by(np.vstack([np.eye(WAVELENGTHS.size), photopic])),
-        D65() / (D65() @ photopic),
+        clear.seen_by(np.vstack([np.eye(WAVELENGTHS.size), PHOTOPIC])),
+        D65() / (D65() @ PHOTOPIC),
         cover,
         luminance,
         illuminance / relative,
