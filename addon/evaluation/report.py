@@ -198,7 +198,10 @@ def _write_figure2(path: Path, days: dict[str, tuple[Day, list[Errors]]]) -> Pat
 
 def write_csv(path: Path, header: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:
     """Write a table, floats to six digits, and return its path."""
-    with writing(path) as part, part.open("w", newline="", encoding="utf-8") as handle:
+    with (
+        writing(path) as part,
+        part.open("w", newline="", encoding="utf-8", errors="backslashreplace") as handle,
+    ):
         writer = csv.writer(handle)
         writer.writerow(header)
         for row in rows:
