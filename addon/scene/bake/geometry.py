@@ -149,12 +149,15 @@ def gather(depsgraph: bpy.types.Depsgraph) -> Geometry:
         empty = np.empty(0, np.int32)
         none, no = np.empty((0, 3, 3)), np.empty(0, bool)
         return Geometry(none, np.zeros(3), empty, [], empty, empty, list(materials), empty, no)
-    places, owner, instances, material, polygon, solid = map(np.concatenate, columns)
+    for k, column in enumerate(columns):
+        columns[k] = [np.concatenate(column)]  # one by one, for a town's are large
+    places, owner, instances, material, polygon, solid = (column[0] for column in columns)
     flat = places.reshape(-1, 3)
     origin = (flat.min(axis=0) + flat.max(axis=0)) / 2
-    _close(solid, shells, places - origin, origin)
+    places -= origin
+    _close(solid, shells, places, origin)
     return Geometry(
-        places - origin, origin, owner, list(owners), instances, material, list(materials),
+        places, origin, owner, list(owners), instances, material, list(materials),
         polygon, solid,
     )  # fmt: skip
 

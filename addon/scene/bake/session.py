@@ -29,7 +29,12 @@ PATCHES = 20_000, 60_000
 """At most so many at first and at last, where a scene has no more triangles."""
 
 SENT = 64, 128
-"""Rays from each patch, at first and at last."""
+"""Rays from each side of a patch, at first and at last, at most …"""
+
+ALL_SENT = 4e6, 1.6e7
+"""… and from all of them; but at least `LEAST_SENT` from each."""
+
+LEAST_SENT = 16
 
 FIRST = 64
 """Rays from points for a first light, where users say how many at last."""
@@ -97,7 +102,7 @@ def baking(
         parts, of_parts, triangle = pieces(surfaces, levels)
         space = Space(Cells.of(parts, of_parts, layout.SMALL * around.size), matter, slow)
         coarse = Radiosity(space)
-        for done in coarse.cast(SENT[0], alike=True):
+        for done in coarse.cast(_sent(coarse, 0), alike=True):
             yield Progress(0.2 * done, "light between surfaces")
         coarse.solve(light.sky, np.zeros_like(coarse.E))
         bend = np.zeros(len(levels))
@@ -135,7 +140,7 @@ def baking(
         space = Space(Cells.of(parts, finer, layout.SMALL * around.size), matter, slow)
         del coarse, session
         radiosity = Radiosity(space)
-        for done in radiosity.cast(SENT[1]):
+        for done in radiosity.cast(_sent(radiosity, 1)):
             yield Progress(0.25 + 0.35 * done, "light between surfaces")
         collected = Collected(receivers, space)
         session = _Session(0, around.origin, around.materials, radiosity, collected)
@@ -158,6 +163,12 @@ def baking(
                 obj for obj in there(objects) if obj.name not in laid_out or not storage.is_lit(obj)
             )
     return lines, len(plans)
+
+
+def _sent(radiosity: Radiosity, stage: int) -> int:
+    """How many rays go from each side of a patch, a power of 2."""
+    each = ALL_SENT[stage] / max(len(radiosity.patch), 1)
+    return int(np.clip(2 ** np.floor(np.log2(max(each, 1.0))), LEAST_SENT, SENT[stage]))
 
 
 def relighting(
@@ -203,7 +214,7 @@ def _cast_anew(
     )
     cells = Cells.of(surfaces, levels, layout.SMALL * around.size)
     radiosity = Radiosity(Space(cells, light.matter(around.materials)))
-    for done in radiosity.cast(SENT[1]):
+    for done in radiosity.cast(_sent(radiosity, 1)):
         yield Progress(0.3 * done, "light between surfaces")
     receivers = Receivers(_kept_targets(objects, around), around.materials, radiosity.space)
     collected = Collected(receivers, radiosity.space)
