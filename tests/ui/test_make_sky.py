@@ -76,7 +76,10 @@ def test_another_hour_keeps_what_was_set_in_the_world(scene):
     assert scene.world == world and world.skylight.occlusion == "open"
     assert world.skylight.exposure == pytest.approx(1.0)
     skies = [image.name for image in bpy.data.images if image.name.startswith("Sky ")]
-    assert skies == ["Sky 2025-06-21 10:00"]
+    assert skies == ["Sky 2025-06-21 10:00"] and world.name == skies[0]
+    choose(scene, time=10.0, haze=0.1)
+    bpy.ops.skylight.make_sky()
+    assert hdri.sky_of(world).name == world.name == skies[0]
     other = bpy.data.scenes.new("Other")
     other.world = world
     choose(scene, time=11.0)

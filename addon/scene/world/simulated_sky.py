@@ -8,7 +8,7 @@ import bpy
 
 from ... import tags
 from ...errors import InputError, parameter
-from . import hdri, own_worlds, sky_image
+from . import hdri, sky_image
 
 HEIGHT = 512
 """[pixels]. The sun's disc is then one or two wide; its irradiance is exact in any."""
@@ -70,16 +70,22 @@ def light(scene: bpy.types.Scene, image: bpy.types.Image) -> bpy.types.World:
     otherwise the scene gets a new one, as by `hdri.set_sky`.
     """
     world = scene.world
-    if world is None or tags.OWN_WORLD not in world or _lights_another(world, scene):
+    ours = world is not None and tags.OWN_WORLD in world and world.is_editable
+    if not ours or _lights_another(world, scene):
         return hdri.show(scene, image)
     sky = hdri.sky_of(world)
     if sky.image is None or sky_image.sun_elevation(sky.image) is None:
         return hdri.show(scene, image)
     before = sky.image
+    named_alike = world.name == before.name
     world.node_tree.nodes[sky.texture].image = image
     if before.users == 0:
+        # The same hour in other air: Blender has numbered the new image.
+        name = before.name if image.name.startswith(before.name) else image.name
         bpy.data.images.remove(before)
-    own_worlds.remove_unused()
+        image.name = name
+    if named_alike:
+        world.name = image.name
     return world
 
 
