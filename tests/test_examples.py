@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from spectral_skylight.tests import exr
+
 pytest.importorskip("bpy", reason="bpy is not installed")
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
@@ -84,3 +86,16 @@ def test_lit_example(name, lit):
         assert referee["bounced"] > 0.1
     if name in ("texture", "gloss"):
         assert referee["bounced"] < 0.01
+
+
+@pytest.mark.slow
+def test_the_example_house(tmp_path):
+    """The panel's first minute: both pictures, and light that changes more than noise does."""
+    house = [sys.executable, str(EXAMPLES / "house.py"), "--width", "60", "--out", str(tmp_path)]
+    subprocess.run(house, check=True)
+    today, ours = (exr.picture(tmp_path / f"{name}.exr") for name in ("eevee", "spectral"))
+    assert today.shape == ours.shape and (tmp_path / "house.png").stat().st_size > 1000
+    sky = slice(0, 6)
+    assert ours[sky, :, :3] == pytest.approx(today[sky, :, :3], rel=1e-3, abs=1e-3)
+    change = abs(ours[16:, :, :3] - today[16:, :, :3]).mean() / today[16:, :, :3].mean()
+    assert 0.02 < change < 0.5
