@@ -95,7 +95,7 @@ def test_the_example_house(tmp_path):
     subprocess.run(house, check=True)
     today, ours = (exr.picture(tmp_path / f"{name}.exr") for name in ("eevee", "spectral"))
     assert today.shape == ours.shape and (tmp_path / "house.png").stat().st_size > 1000
-    sky = slice(0, 6)
+    sky = slice(0, 2)  # above the chimney
     assert ours[sky, :, :3] == pytest.approx(today[sky, :, :3], rel=1e-3, abs=1e-3)
     change = abs(ours[16:, :, :3] - today[16:, :, :3]).mean() / today[16:, :, :3].mean()
     assert 0.02 < change < 0.5
