@@ -83,13 +83,17 @@ def _moment(date: str, time: str, zone: str) -> datetime:
         again = moment.astimezone(UTC).astimezone(moment.tzinfo)
     except OverflowError:  # on the first day that Python knows
         raise InputError(parameter("date"), f"{date} is too far away", "give another") from None
+    later = moment.replace(fold=1)  # by what holds after the clocks are changed
+    summer_time = later.dst() != moment.dst()
     if again.replace(tzinfo=None) != moment.replace(tzinfo=None):
-        cure = f"clocks are put forward in {zone}: give an hour later"
+        cure = f"clocks are put forward in {zone}: give a later time or day"
+        if summer_time:
+            cure = f"summer time begins in {zone}: give an hour later"
         raise InputError(parameter("time"), f"there is no {time} on {date}", cure)
-    later = moment.replace(fold=1).utcoffset()
-    if later != moment.utcoffset():
-        cure = f"clocks are put back in {zone}: give {parameter('timezone')} in hours, "
-        cure += f"{_hours(moment.utcoffset())} or {_hours(later)}"
+    if later.utcoffset() != moment.utcoffset():
+        why = "summer time ends" if summer_time else "clocks are put back"
+        cure = f"{why} in {zone}: give {parameter('timezone')} in hours, "
+        cure += f"{_hours(moment.utcoffset())} or {_hours(later.utcoffset())}"
         raise InputError(parameter("time"), f"{time} comes twice on {date}", cure)
     return moment
 

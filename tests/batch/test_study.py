@@ -104,6 +104,10 @@ MISTAKES = {
         {"skies": [{**NOON, "date": "2025-03-30", "times": ["02:30"]}]},
         ["02:30", "summer time"],
     ),
+    "time that a clock has twice": (
+        {"skies": [{**NOON, "date": "2025-10-26", "times": ["02:30"]}]},
+        ["02:30 comes twice", '"times"', 'give "timezone" in hours, +2:00 or +1:00'],
+    ),
     "night": ({"skies": [{**NOON, "times": ["23:50"]}]}, ["2025-06-21 23:50", "below the horizon"]),
     "no such assignment": ({"variants": [{"name": "x", "assign": "blue.csv"}]}, ["blue.csv"]),
     "assignment without columns": (
