@@ -47,6 +47,7 @@ class Work:
 _work: Work | None = None
 _asked: float | None = None  # when, by `time.monotonic`, as long as it has not begun
 _lines: list[str] = []
+_halt = ""
 _ended = _shown = 0.0  # when, by `time.monotonic`, the last slice ended, and the panel was drawn
 
 
@@ -65,12 +66,18 @@ def lines() -> list[str]:
     return _lines
 
 
+def halt() -> str:
+    """Why the last bake did not end; empty where it did."""
+    return _halt
+
+
 def ask() -> None:
     """Let all light be new soon; a bake under way begins again."""
-    global _asked
+    global _asked, _halt
     if bpy.app.background:
         return
     drop()
+    _halt = ""
     _asked = time.monotonic()
     if not bpy.app.timers.is_registered(_tick):
         bpy.app.timers.register(_tick, first_interval=PAUSE)
@@ -149,7 +156,7 @@ def _go_on() -> None:
     from ..scene import out_of_date
     from . import staleness_handlers
 
-    global _work, _ended
+    global _work, _ended, _halt
     current = _work
     assert current is not None
     start = time.monotonic()
@@ -165,11 +172,9 @@ def _go_on() -> None:
         out_of_date.all_baked(bpy.context.scene)
         staleness_handlers.found_bakes()
     except InputError as error:
-        _lines[:] = [told(error)]
-        _work = None
+        _halt, _work = told(error), None
     except Exception as error:  # a timer that fails is not called again
-        _lines[:] = [last_guard.line(error)]
-        _work = None
+        _halt, _work = last_guard.line(error), None
     _ended = time.monotonic()
 
 
@@ -191,9 +196,10 @@ class SKYLIGHT_OT_stop_light(bpy.types.Operator):
         """End it; what the bake tidies up then is no change to follow."""
         from . import staleness_handlers
 
+        global _halt
         with staleness_handlers.ours(context):
             drop()
-        _lines[:] = ["Stopped: the light is not complete. Press Update to go on"]
+        _halt = "Stopped: not all light"
         return {"FINISHED"}
 
 

@@ -61,30 +61,32 @@ def gain(context: bpy.types.Context) -> str:
 
 
 def light(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
-    """How far the light is, and what is missing of it."""
+    """How far the light is, in one row whatever it is: what stands below must not move away from
+    under the pointer. All else that is to be said of it stands in a closed part."""
     from ..scene import out_of_date
 
-    if _progress(layout):
-        return
-    names = out_of_date.unbaked(context.scene)
-    if names or (staleness_handlers.moved() and _is_by_hand(context)):
-        row = layout.row(align=True)
-        text = f"Old light: {some(names, 'object')}" if names else "Objects have changed"
+    sentences = [*filter(None, out_of_date.caption(context.scene).split("; "))]
+    row = layout.row(align=True)
+    if follow.work() is not None or follow.waiting():
+        _progress(row)
+    elif follow.halt():
+        row.label(text=follow.halt(), icon="ERROR")
+        row.operator("skylight.update", text="Go On")
+    elif text := _old(context):
         row.label(text=text, icon="ERROR")
         row.operator("skylight.bake")
-        return
-    for sentence in filter(None, out_of_date.caption(context.scene).split("; ")):
-        paragraph(layout, context, sentence[0].upper() + sentence[1:], "LIGHT_SUN")
+    else:
+        state = sentences[0].partition(":")[0] if sentences else "no light yet"
+        row.label(text=_capital(state), icon="LIGHT_SUN")
+    header, body = layout.panel("skylight_about_light", default_closed=True)
+    header.label(text="About This Light")
+    for sentence in [*sentences, *follow.lines()] if body is not None else ():
+        paragraph(body, context, _capital(sentence))
 
 
-def _progress(layout: bpy.types.UILayout) -> bool:
-    """A bar with a button that ends it; False where no light is being computed."""
+def _progress(row: bpy.types.UILayout) -> None:
+    """A bar with a button that ends it."""
     current = follow.work()
-    if current is None and not follow.waiting():
-        for line in follow.lines():
-            layout.label(text=line, icon="INFO")
-        return False
-    row = layout.row(align=True)
     if current is None:
         row.progress(factor=0.0, text="All light: waiting for you to pause")
     else:
@@ -92,7 +94,19 @@ def _progress(layout: bpy.types.UILayout) -> bool:
         done = current.progress.done
         row.progress(factor=done, text=f"All light: {100 * done:.0f} %{left}")
     row.operator("skylight.stop_light", text="", icon="CANCEL")
-    return True
+
+
+def _old(context: bpy.types.Context) -> str:
+    """Which objects have no light or an old one, where nobody but a person bakes it."""
+    from ..scene import out_of_date
+
+    if names := out_of_date.unbaked(context.scene):
+        return f"Old light: {some(names, 'object')}"
+    return "Objects have changed" if staleness_handlers.moved() and _is_by_hand(context) else ""
+
+
+def _capital(sentence: str) -> str:
+    return sentence[:1].upper() + sentence[1:]
 
 
 def _view(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
