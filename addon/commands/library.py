@@ -23,7 +23,10 @@ def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
     parser = commands.add_parser("library", help="list, search and draw reflectances in folders")
     parser.add_argument(
-        "folders", nargs="*", metavar="FOLDER", help="default: the built-in color checkers"
+        "folders",
+        nargs="*",
+        metavar="FOLDER",
+        help="default: the built-in building materials and color checkers",
     )
     parser.add_argument(
         "--search",
@@ -68,7 +71,7 @@ def run(options: argparse.Namespace) -> None:
     if options.folders:
         whole = run_with_bar(library.index(options.folders), "read", delay=0.5)
     else:
-        whole = library.checkers()
+        whole = library.built_in()
     wanted = set(whole.search(options.search))
     found = whole.only([k for k in whole.order(options.sort) if k in wanted])
     near = None

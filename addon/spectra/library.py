@@ -89,7 +89,9 @@ class Library:
 
     @cached_property
     def _texts(self) -> tuple[str, ...]:
-        told = zip(self.names, self.classes, self.sources, strict=True)
+        synonyms = formats.building_materials.SYNONYMS
+        also = (synonyms.get(each, "") for each in self.classes)
+        told = zip(self.names, self.classes, self.sources, also, strict=True)
         return tuple(" ".join(words).casefold() for words in told)
 
     def search(self, text: str) -> NDArray[np.int64]:
@@ -118,16 +120,10 @@ class Library:
         return np.lexsort((hue, neutral))
 
 
-def checkers() -> Library:
-    """Return the checkers that colour-science brings."""
-    names = formats.checkers.CHECKERS
-    paths = [formats.checkers.PREFIX + name for name in names]
-    return _joined(
-        [
-            _of_record(path, name, _record(Path(path)))
-            for path, name in zip(paths, names, strict=True)
-        ]
-    )
+def built_in() -> Library:
+    """Return the checkers of colour-science and the building materials, without a file."""
+    sets = formats.built_in.SETS
+    return _joined([_of_record(path, path.partition(":")[2], _record(Path(path))) for path in sets])
 
 
 def index(folders: Iterable[str | Path]) -> Generator[Progress, None, Library]:

@@ -158,12 +158,12 @@ def _measured(ends: NDArray[np.float64]) -> tuple[float, float]:
 def split_assignment(text: str) -> tuple[Path, str | None]:
     """Split ``FILE[:COLUMN]``; a colon that belongs to the path (``C:\\``) stays there.
 
-    So does one in the name of a column where the file before it is there, and that of a checker
+    So does one in the name of a column where the file before it is there, and those of a set
     (``colour:BabelColor Average:dark skin``).
     """
-    if formats.checkers.recognises(text):
-        name, _, column = text.removeprefix(formats.checkers.PREFIX).partition(":")
-        return Path(f"{formats.checkers.PREFIX}{name}"), column or None
+    if formats.built_in.recognises(text):
+        name, column = formats.built_in.split(text)
+        return Path(name), column or None
     if _is_file(text):
         return Path(text), None
     for at in (k for k, character in enumerate(text) if character == ":" and k > 1):

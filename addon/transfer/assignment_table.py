@@ -21,7 +21,7 @@ import numpy as np
 from ..errors import InputError
 from ..spectra import files
 from ..spectra.checks import UNITS
-from ..spectra.formats import checkers
+from ..spectra.formats import built_in
 from ..spectra.grid import WAVELENGTHS
 from ..spectra.reflectance import split_assignment
 from .assignment import BLOCK, SINGLE_FACE, Assignment, read, read_metal
@@ -123,7 +123,7 @@ def _assignment(place: str, row: dict[str, str], folders: Sequence[Path]) -> Ass
 
 def _file(text: str, folders: Sequence[Path]) -> str:
     """``FILE[:COLUMN]`` below the first folder that has it; a checker's name lies in none."""
-    if checkers.recognises(text):
+    if built_in.recognises(text):
         return text
     for folder in folders:
         path, _ = split_assignment(str(folder / text))
@@ -178,7 +178,7 @@ def _curves(orphans: Mapping[str, Assignment]) -> str:
 
 def _told(source: str, folder: Path) -> str:
     """``FILE[:COLUMN]`` relative to a folder where it lies below it, with slashes."""
-    if not source or checkers.recognises(source):
+    if not source or built_in.recognises(source):
         return source
     path, column = split_assignment(source)
     path = path.resolve()

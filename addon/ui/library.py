@@ -78,7 +78,7 @@ change. Press Esc to stop"""
         from ..spectra import library
 
         found = yield from library.index(preferences.folders(context))
-        return library.checkers() + found
+        return library.built_in() + found
 
     def finish(self, context, done):
         from . import assignments
@@ -140,7 +140,7 @@ class SKYLIGHT_PT_library(bpy.types.Panel):
         own = context.window_manager.skylight_library
         number = library_state.chosen(context)
         if number is None:
-            text = "Color checkers, and the measured materials in your folders"
+            text = "Building materials, color checkers, and the measured materials in your folders"
             panel_text.paragraph(layout, context, text)
             layout.operator("skylight.refresh_library", text="Show Library", icon="ASSET_MANAGER")
         else:

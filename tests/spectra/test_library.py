@@ -74,7 +74,7 @@ def test_Lab_is_colour_sciences_own():
     """Integrated by colour-science from the patches as they are tabulated, not on our grid."""
     import colour
 
-    found = library.checkers()
+    found = library.built_in()
     patches = colour.SDS_COLOURCHECKERS["ColorChecker N Ohta"]
     observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
     d65 = colour.SDS_ILLUMINANTS["D65"]
@@ -213,7 +213,7 @@ def test_command(folder, tmp_path, capsys):
     assert sheet.read_bytes().startswith(b"\x89PNG")
     assert cli.main(["library", "--search", "dark skin"]) == 0
     out, err = capsys.readouterr()
-    assert "colour:BabelColor Average:dark skin" in out and "3 of 102 spectra" in err
+    assert "colour:BabelColor Average:dark skin" in out and "3 of 202 spectra" in err
     assert cli.main(["library", "--sort", "price"]) == 2
     assert cli.main(["library", "--search", "nothing like it", "--sheet", str(sheet)]) == 2
     assert "matches no reflectance" in capsys.readouterr().err

@@ -31,7 +31,7 @@ def made(*named, kinds=None):
 
 def test_a_spectrums_own_color_is_nearest_to_it():
     """Of a hundred measured patches each is found by its color, with ΔE 0."""
-    found = library.checkers()
+    found = library.built_in()
     colors = rgb_albedo(found.values)
     for k in range(0, len(found), 7):
         first = nearest(found, colors[k], count=1)[0]
@@ -40,7 +40,7 @@ def test_a_spectrums_own_color_is_nearest_to_it():
 
 
 def test_differences_are_those_of_the_colors_in_any_space():
-    found = library.checkers()
+    found = library.built_in()
     color = np.array([0.3, 0.15, 0.08])
     for space in ("Linear Rec.709", "ACEScg"):
         colors = rgb_albedo(found.values, space)
@@ -83,4 +83,5 @@ def test_command(capsys):
     assert (spectra[0]["format"], spectra[0]["quantity"]) == ("colour-science", "reflectance")
     assert cli.main(arguments) == 0
     out, err = capsys.readouterr()
-    assert out.count("ΔE") == 10 and "10 as colour-science: reflectance, fraction" in err
+    assert out.count("ΔE") == 10
+    assert "as building materials: reflectance, fraction" in err and "10 of 202 spectra" in err

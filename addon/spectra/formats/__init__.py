@@ -7,7 +7,6 @@ or rows. The rules for what a reflectance may be are not here: `reflectance` hol
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 from ..curves import Table
@@ -15,8 +14,8 @@ from ..files import start
 from ..quantities import FRACTION, REFLECTANCE, Said
 from ..table import read_table
 from . import (
+    built_in,
     cgats,
-    checkers,
     cxf,
     datacolor,
     ecostress,
@@ -53,7 +52,7 @@ ENDINGS = tuple(sorted({ending for module in FORMATS for ending in module.ENDING
 
 
 def read(path: str | Path) -> Table:
-    """Read the spectra of a file of any format, or of a checker (``colour:BabelColor Average``).
+    """Read the spectra of a file of any format, or of a set that is `built_in`.
 
     Raises
     ------
@@ -61,11 +60,9 @@ def read(path: str | Path) -> Table:
         What cannot be read, or is broken, with file, place and cure. `curves.NoSpectra` where the
         file is whole but is about something else.
     """
-    if checkers.recognises(str(path)):
-        found = checkers.read(str(path))
-        return replace(found, format="colour-science").with_said(
-            [Said(REFLECTANCE, FRACTION)] * len(found.names)
-        )
+    if built_in.recognises(str(path)):
+        found = built_in.read(str(path))
+        return found.with_said([Said(REFLECTANCE, FRACTION)] * len(found.names))
     path = Path(path)
     head = start(path)
     for module in FORMATS:

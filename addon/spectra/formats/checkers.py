@@ -16,11 +16,6 @@ CHECKERS = ("BabelColor Average", "ColorChecker N Ohta", "ISO 17321-1", "PMC")
 """Three measurements of the ColorChecker's 24 patches, and thirty of skin, leaves and cloth."""
 
 
-def recognises(path: str) -> bool:
-    """Whether a path is the name of a checker."""
-    return path.startswith(PREFIX)
-
-
 def read(path: str) -> Table:
     """Return a checker's patches; `InputError` for one that is not there."""
     name = path.removeprefix(PREFIX).strip()
