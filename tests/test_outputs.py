@@ -13,6 +13,7 @@ import pytest
 from spectral_skylight.addon import cli
 from spectral_skylight.addon.commands import matrix
 from spectral_skylight.addon.sky.panorama import write_panorama
+from spectral_skylight.tests import signals
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="Windows has no such files and signals")
 
@@ -112,8 +113,15 @@ COMMAND[-1] += "sys.exit(cli.main(sys.argv[1:]))"
 def test_a_request_to_end_is_one_line_and_leaves_nothing(here, kind):
     arguments = ["sky", "--sun-elevation", "9", "--quality", "reference", "--out", "a.exr"]
     env = {**os.environ, "SPECTRAL_SKYLIGHT_CACHE": ""}
-    running = subprocess.Popen([*COMMAND, *arguments], env=env, stderr=subprocess.PIPE, text=True)
-    time.sleep(1.5)
+    running = subprocess.Popen(
+        [*COMMAND, *arguments],
+        env=env,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=signals.heard,
+    )
+    signals.wait_until_caught(running.pid, kind)
+    time.sleep(1.0)  # Python itself catches Ctrl-C before the command does
     running.send_signal(kind)
     assert running.communicate(timeout=60)[1] == "spectral-skylight: stopped\n"
     assert running.returncode == 1

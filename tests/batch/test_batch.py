@@ -20,6 +20,7 @@ from spectral_skylight.addon.batch.task import SCRIPTS
 from spectral_skylight.addon.scene.output import image_file, render_task
 from spectral_skylight.addon.scene.world import hdri as worlds
 from spectral_skylight.addon.scene.world import panorama
+from spectral_skylight.tests import signals
 from spectral_skylight.tests.batch.studies import (
     NOON,
     write_inputs,
@@ -187,7 +188,13 @@ def test_ctrl_c_ends_all_and_keeps_what_is_done(office):
     path = study(office, "stopped", skies=SKIES[1:])
     start = "import sys; from spectral_skylight.addon.cli import main; sys.exit(main())"
     command = [sys.executable, "-c", start, "batch", "run", path, "--workers", "2"]
-    run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    run = subprocess.Popen(
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=None if os.name == "nt" else signals.heard,
+    )
     until = time.monotonic() + 120
     while not list(office.glob("stopped/pictures/*/[!.]*.exr")) and time.monotonic() < until:
         time.sleep(0.02)
