@@ -88,9 +88,8 @@ def run(name: str, example: Example, out: Path, samples: int, size: tuple[int, i
         with timed(seconds, "spectral"):
             relight(stage, example, out)
         with timed(seconds, "rgb_same"):
-            rgb_comparison.show(
-                True
-            )  # in the file that was rendered last: other values, no other light
+            # In the file that was rendered last: other values, no other light.
+            rgb_comparison.show(rgb_comparison.RGB)
             renders.render(bpy.context.scene, out / "rgb_same.exr", engine="eevee")
         beside = {}
         for other, options in example.beside.items():

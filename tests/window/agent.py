@@ -56,6 +56,14 @@ def light(name):
     return float(values[values[:, 3] > 0, 1].mean())
 
 
+def solid():
+    """Show no light in the 3D views: in software each frame of it takes seconds."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.spaces.active.shading.type = "SOLID"
+
+
 def matrix(name):
     """The matrix that a material was given, None without."""
     package = "bl_ext.user_default.spectral_skylight"

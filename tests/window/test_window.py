@@ -120,6 +120,7 @@ def test_esc_and_undo(equipped):
         window.find("Sky: sky.exr")
         window.press("Make Everything Spectral")
         window.wait("matrix('Material') is not None")
+        window.ask("solid()")
         given = window.ask("matrix('Material')")
         window.hover(window.box("WINDOW"))
         window.key("ctrl+z")
@@ -157,7 +158,8 @@ def test_the_light_follows(equipped):
         window.press("sky.exr", times=2)
         window.find("Sky: sky.exr")
         window.press("Make Everything Spectral")
-        window.wait("light('Plane') is not None and not following()", 240)  # shaders compile
+        window.ask("solid()")
+        window.wait("light('Plane') is not None and not following()", 240)
         first = window.ask("light('Plane')")
         window.ask("setattr(bpy.data.objects['Cube'], 'location', (0, 0, 2))")
         window.wait("following()", 20)
