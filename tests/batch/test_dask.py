@@ -16,6 +16,7 @@ import pytest
 from spectral_skylight.addon.batch import dask_farm
 from spectral_skylight.addon.cli import main
 from spectral_skylight.addon.errors import InputError
+from spectral_skylight.tests import signals
 from spectral_skylight.tests.batch.dask_cluster import Cluster
 from spectral_skylight.tests.batch.small_plan import copy_plan, files, small_plan
 
@@ -102,7 +103,11 @@ def test_ctrl_c_ends_the_farms_work_and_a_second_run_does_the_rest(cluster, plan
     there = copy_plan(plan, tmp_path / "there")
     run = ["batch", "run", str(there), "--scheduler", cluster.address]
     code = f"import sys; from spectral_skylight.addon.cli import main; sys.exit(main({run}))"
-    process = subprocess.Popen([sys.executable, "-c", code], stderr=subprocess.PIPE)
+    process = subprocess.Popen(
+        [sys.executable, "-c", code],
+        stderr=subprocess.PIPE,
+        preexec_fn=None if os.name == "nt" else signals.heard,
+    )
     when(1, there, lambda: process.send_signal(signal.SIGINT))
     said = process.communicate(timeout=120)[1]
     assert process.returncode == 1

@@ -129,12 +129,12 @@ def test_esc_and_undo(equipped):
         window.wait("matrix('Material') is not None")
         assert window.ask("matrix('Material')") == given
 
+        window.ask("setattr(bpy.context.scene.world.skylight, 'occlusion', 'baked')")
+        window.wait("not following()", 120)
         # A bake of some seconds: the cube becomes a sphere of many faces.
         window.ask(
             "bpy.data.objects['Cube'].modifiers.new('Fine', 'SUBSURF').__setattr__('levels', 6)"
         )
-        window.ask("setattr(bpy.context.scene.world.skylight, 'occlusion', 'baked')")
-        window.wait("not following()", 120)
         before = window.ask("[len(bpy.data.objects), bpy.data.objects['Cube'].modifiers.keys()]")
         window.press("Advanced")
         window.press("Sun, Shadows and Ground")
