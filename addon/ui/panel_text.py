@@ -43,7 +43,7 @@ def of_sky(world: bpy.types.World, seen: Any) -> tuple[str, list[str]]:
     from ..scene.world import light_group
 
     found = light_group.record_of(world)
-    if found is None:
+    if found is None or is_other_sky(world, seen):
         return "Not analyzed yet", [seen.line] if seen.line else []
     told = [*([seen.line] if seen.line else []), *found.notes]
     words = _sun(found.rest.get("sun"))

@@ -1,0 +1,103 @@
+"""What the panel says in each state of a scene, from no sky to a file that is opened again.
+
+A table: what leads to a state, and which words are there and which are not. All is true at every
+moment, so each state is reached from the one before it.
+"""
+
+import bpy
+import pytest
+
+from spectral_skylight.addon.ui import panels, staleness_handlers
+from spectral_skylight.tests.ui.stage import drawn, write_sky
+
+pytestmark = [pytest.mark.blender, pytest.mark.slow]
+
+
+def no_sky(folder):
+    bpy.context.scene.world = None
+
+
+def sky(folder):
+    bpy.ops.skylight.load_sky(filepath=str(write_sky(folder / "day.exr")))
+
+
+def applied_without_light(folder):
+    bpy.context.scene.world.skylight.occlusion = "open"
+    bpy.ops.skylight.make_spectral()
+
+
+def baked(folder):
+    bpy.ops.skylight.bake(rays=32)
+
+
+def moved(folder):
+    bpy.data.objects["Wall"].location.x += 1.0
+
+
+def found_old(folder):
+    bpy.ops.skylight.update()
+
+
+def baked_again(folder):
+    bpy.ops.skylight.bake(rays=32)
+
+
+def live(folder):
+    bpy.context.scene.world.skylight.occlusion = "dome"
+    bpy.ops.skylight.update()
+
+
+def other_sky(folder):
+    image = bpy.context.scene.world.node_tree.nodes["Environment Texture"].image
+    bpy.context.scene.world.node_tree.nodes["Environment Texture"].image = image.copy()
+
+
+def updated(folder):
+    bpy.ops.skylight.update()
+
+
+def opened_again(folder):
+    path = str(folder / "saved.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.open_mainfile(filepath=path)
+
+
+def shows_rgb(folder):
+    bpy.ops.skylight.before_after(show="BEFORE")
+
+
+def removed(folder):
+    bpy.ops.skylight.remove_all()
+
+
+STATES = [
+    (no_sky, ["No material is spectral yet"], ["Sky: ", "spectral: "]),
+    (sky, ["Sky: day.exr", "Day, sun at", "No light is baked yet"], ["Old light"]),
+    (applied_without_light, ["2 of 2", "Open sky", "Day, sun at"], ["baked", "Old light"]),
+    (baked, ["All light is baked"], ["Old light", "Open sky"]),
+    (moved, ["Objects have changed"], ["Old light"]),
+    (found_old, ["Old light: "], ["Objects have changed"]),
+    (baked_again, ["All light is baked"], ["Old light", "Objects have changed"]),
+    (live, ["The sky's shadows are live"], ["Old light", "Objects have changed", "baked"]),
+    (other_sky, ["The sky has changed"], ["good"]),
+    (updated, ["live"], ["The sky has changed"]),
+    (opened_again, ["2 of 2", "live"], ["The sky has changed", "Objects have changed"]),
+    (shows_rgb, ["Renders show this too"], []),
+    (removed, ["No material is spectral yet"], ["Renders show", "Old light", "live", "baked"]),
+]
+
+
+def test_what_the_panel_says_in_each_state(scene, tmp_path):
+    for name in ("Wall", "Roof"):
+        places = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+        bpy.data.objects[name].data.from_pydata(places, [], [(0, 1, 2, 3)])
+    staleness_handlers.attach(background=True)
+    try:
+        for reach, there, gone in STATES:
+            reach(tmp_path)
+            bpy.context.view_layer.update()
+            text = drawn(panels.SKYLIGHT_PT_main).text
+            assert [words for words in there if words not in text] == [], (reach.__name__, text)
+            assert [words for words in gone if words in text] == [], (reach.__name__, text)
+    finally:
+        staleness_handlers.detach()
