@@ -89,7 +89,7 @@ def make(world: bpy.types.World | None, given: Assignments, settings: Settings) 
     surfaces = {material: one for material, one in given.items() if not one.faces}
     light = panorama.light_of(world, settings.sensors)
     assert world is not None  # else it had raised
-    light, choice = _choose(light, surfaces, settings)
+    light, choice = choose(light, surfaces, settings)
     model = sky_line(choice, light)
     hidden = None
     wanted = settings.tolerance is not None or settings.shadows == OPEN
@@ -127,8 +127,11 @@ def make(world: bpy.types.World | None, given: Assignments, settings: Settings) 
     )
 
 
-def _choose(light: SkyLight, surfaces: Assignments, settings: Settings) -> tuple[SkyLight, Choice]:
-    """Choose the models, and the lowest degree of the sky that keeps to the tolerance."""
+def choose(light: SkyLight, surfaces: Assignments, settings: Settings) -> tuple[SkyLight, Choice]:
+    """Return the sky in the lowest degree that keeps to the tolerance, and the models of surfaces.
+
+    Raises InputError as `Settings.transfer` does.
+    """
     balance = ""
     if settings.white is None:
         balance = estimate_white(light, settings.transfer(light), settings.sun_elevation).line

@@ -329,11 +329,14 @@ def following(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress,
 
 
 def _shining(scene: bpy.types.Scene, settings: Settings) -> SceneLight:
-    """What shines on a scene now."""
+    """What shines on a scene now, by the models that its materials have."""
     world = scene.world
     light = analyzed(world, settings)
     assert world is not None  # else it had raised
-    found = scene_lighting.find(world, light, settings.transfer(light), settings, {})
+    given = ((material, assigned(material)) for material in in_scene(scene))
+    surfaces = {material: one for material, one in given if one is not None and not one.faces}
+    _, choice = planning.choose(light, surfaces, settings)
+    found = scene_lighting.find(world, light, choice.transfer, settings, {})
     return SceneLight(world, found, scene)
 
 
