@@ -133,17 +133,17 @@ def test_esc_and_undo(equipped):
         window.wait("not following()", 120)
         # A bake of some seconds: the cube becomes a sphere of many faces.
         window.ask(
-            "bpy.data.objects['Cube'].modifiers.new('Fine', 'SUBSURF').__setattr__('levels', 6)"
+            "bpy.data.objects['Cube'].modifiers.new('Fine', 'SUBSURF').__setattr__('levels', 5)"
         )
         before = window.ask("[len(bpy.data.objects), bpy.data.objects['Cube'].modifiers.keys()]")
         window.press("Advanced")
         window.press("Sun, Shadows and Ground")
         window.hover(window.find("Bake Light"))
         window.pointer("click", "1")
-        window.wait("at_work()", 20)
+        window.wait("at_work()", 60)
         window.shot("baking")
         window.key("Escape")
-        window.wait("not at_work()", 20)
+        window.wait("not at_work()", 60)
         after = window.ask("[len(bpy.data.objects), bpy.data.objects['Cube'].modifiers.keys()]")
         assert after == before
 
