@@ -71,6 +71,9 @@ def offered_bases() -> Choices:
 
 AUTO, OPEN, DOME, BAKED = "auto", "open", "dome", "baked"
 
+ALL_LIGHT = AUTO, BAKED
+"""The occlusions that hold all light."""
+
 OCCLUSIONS: Choices = {
     AUTO: Entry(
         "All Light",

@@ -6,6 +6,18 @@ import numpy as np
 from spectral_skylight.addon import tags
 from spectral_skylight.node_groups import baked_light
 
+DATA = (
+    "materials",
+    "worlds",
+    "node_groups",
+    "objects",
+    "meshes",
+    "lights",
+    "collections",
+    "images",
+)
+"""What of a file has names and may be ours."""
+
 
 def material():
     """A material that counts as managed."""

@@ -14,8 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ..choices import (
-    AUTO,
-    BAKED,
+    ALL_LIGHT,
     BASIS,
     ENGINES,
     GROUNDS,
@@ -179,7 +178,7 @@ def _settings(table: Table) -> dict[str, Any]:
         "basis": table.text("basis", BASIS),
         "tolerance": table.number("tolerance", 1e-6, 100.0, None),
     }
-    if found["bounce"] and found["occlusion"] not in (AUTO, BAKED):
+    if found["bounce"] and found["occlusion"] not in ALL_LIGHT:
         table.wrong("bounce", 'needs all light: omit occlusion, or give "auto"')
     return found
 

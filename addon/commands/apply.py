@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..choices import BAKED, GROUNDS, OCCLUSIONS, default, described
+from ..choices import ALL_LIGHT, GROUNDS, OCCLUSIONS, default, described
 from ..errors import InputError
 from .arguments import Commands, add_matrix_options, basis_name
 from .outputs import output
@@ -126,7 +126,7 @@ def _settings(options: argparse.Namespace) -> Settings:
     from ..scene.world.settings import Settings
     from ..transfer.white import AUTO
 
-    if options.bounce and options.occlusion not in (AUTO, BAKED):
+    if options.bounce and options.occlusion not in ALL_LIGHT:
         raise InputError("--bounce", "needs all light", "omit --occlusion, or give auto")
     return Settings(
         basis=basis_name(options),

@@ -57,7 +57,7 @@ def expected() -> list[tuple[str, float, float]]:
 
     Of RGB × RGB and of its own model; NaN where nothing can be predicted.
     """
-    found = ((m.name, spectral_material.managed(m)) for m in spectral_material.managed_materials())
+    found = ((m.name, spectral_material.managed(m)) for m in spectral_material.ours())
     rows = [
         (name, managed.details.result.rgb_delta_E, managed.details.result.matrix_delta_E)
         for name, managed in found

@@ -303,7 +303,15 @@ def bake(
     ``objects``: None for all of its managed ones; ``options``: those of `scene_bake.bake`. Returns
     lines to read. Raises InputError as `analyzed` does.
     """
-    shining = _shining(scene, settings)
+    return (yield from _baking(scene, _shining(scene, settings), objects, **options))
+
+
+def _baking(
+    scene: bpy.types.Scene,
+    shining: SceneLight,
+    objects: Collection[bpy.types.Object] | None = None,
+    **options: Any,
+) -> Generator[Progress, None, list[str]]:
     try:
         lines, seconds = yield from timed(scene_bake.bake(objects, light=shining, **options))
         if not (cost := session.account()) or scene_bake.NOTHING in lines:
@@ -319,13 +327,15 @@ def following(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress,
     Nothing is done where nothing has. Raises InputError as `update` does.
     """
     lines: list[str] = []
-    if not session.is_lit_by(_shining(scene, settings)):
+    shining = _shining(scene, settings)
+    if not session.is_lit_by(shining):
         chosen, lines = editable(in_scene(scene))
         plan = planning.make(develop(scene, settings), given_before(chosen), settings)
         yield from write(plan)
         if not scene_bake.stale():
             lines += yield from relighting(plan)
-    return lines + (yield from bake(scene, settings))
+        shining = _shining(scene, settings)
+    return lines + (yield from _baking(scene, shining))
 
 
 def _shining(scene: bpy.types.Scene, settings: Settings) -> SceneLight:

@@ -5,7 +5,7 @@ Sky · Materials · Look are all that a scene needs. What is rarely needed stand
 
 import bpy
 
-from ..choices import AUTO, BAKED
+from ..choices import ALL_LIGHT
 from . import (
     all_materials,
     look_box,
@@ -126,7 +126,7 @@ class SKYLIGHT_PT_light(OfWorld, bpy.types.Panel):
         numbers = context.scene.world.skylight
         layout.prop(numbers, "sun")
         layout.prop(numbers, "occlusion")
-        if numbers.occlusion in (AUTO, BAKED):
+        if numbers.occlusion in ALL_LIGHT:
             row = layout.row(align=True)
             row.operator("skylight.bake")
             row.operator("skylight.remove_bakes", text="", icon="X")

@@ -22,10 +22,10 @@ from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.addon.sky.polynomial import evaluate_polynomial
 from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.tests import exr, faces
+from spectral_skylight.tests.lanes import newest
 
 pytestmark = pytest.mark.blender
 
-newest = pytest.mark.skipif(bpy.app.version < (5, 3, 0), reason="once is enough: in the newest")
 
 OBSERVER = observer("Linear Rec.709")
 NORMALS = np.concatenate([FACES[:5], [[0.36, 0.48, 0.8]]])

@@ -22,20 +22,10 @@ from spectral_skylight.addon.ui import everything
 from spectral_skylight.node_groups import baked_light
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import buildings, faces
+from spectral_skylight.tests.buildings import DATA
+from spectral_skylight.tests.lanes import newest
 
 pytestmark = pytest.mark.blender
-newest = pytest.mark.skipif(bpy.app.version < (5, 3, 0), reason="once is enough: in the newest")
-
-DATA = (
-    "materials",
-    "worlds",
-    "node_groups",
-    "objects",
-    "meshes",
-    "lights",
-    "collections",
-    "images",
-)
 
 
 def paint(name, **values):

@@ -18,10 +18,10 @@ from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.node_groups import skylight_surface, spectral_matrix
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import faces
+from spectral_skylight.tests.lanes import newest
 
 pytestmark = pytest.mark.blender
 
-newest = pytest.mark.skipif(bpy.app.version < (5, 3, 0), reason="once is enough: in the newest")
 
 FILES = Path(__file__).parents[1] / "files"
 OLD = ["surface1", pytest.param("surface1_models", marks=newest), "surface2"]

@@ -18,10 +18,10 @@ from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.node_groups import gloss, skylight_surface
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import faces
+from spectral_skylight.tests.lanes import newest
 
 pytestmark = pytest.mark.blender
 
-newest = pytest.mark.skipif(bpy.app.version < (5, 3, 0), reason="once is enough: in the newest")
 
 SETTINGS = Settings(basis="rayleigh", gloss=True)
 BRICK = Assignment("brick", np.interp(WAVELENGTHS, [400, 560, 620, 700], [0.06, 0.1, 0.4, 0.55]))

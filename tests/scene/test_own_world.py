@@ -13,20 +13,11 @@ from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.tests import faces
+from spectral_skylight.tests.buildings import DATA
 
 pytestmark = pytest.mark.blender
 
 GREY = Assignment("grey", np.full(81, 0.5))
-DATA = (
-    "materials",
-    "worlds",
-    "node_groups",
-    "objects",
-    "meshes",
-    "lights",
-    "collections",
-    "images",
-)
 
 
 def sky(folder, seed):

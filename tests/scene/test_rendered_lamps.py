@@ -17,10 +17,10 @@ from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import exr, faces
+from spectral_skylight.tests.lanes import newest
 from spectral_skylight.tests.scene.test_sun import sky_with_sun
 
 pytestmark = pytest.mark.blender
-newest = pytest.mark.skipif(bpy.app.version < (5, 3, 0), reason="once is enough: in the newest")
 
 GREY = Assignment("grey", np.full(81, 0.5))
 

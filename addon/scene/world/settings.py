@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import tags
-from ...choices import AUTO, BAKED, BASIS, GROUNDS, OCCLUSIONS, SIMPLEST, default
+from ...choices import ALL_LIGHT, BAKED, BASIS, GROUNDS, OCCLUSIONS, SIMPLEST, default
 from ...sky.light import SkyLight
 from ...spectra import sensitivities
 from ...transfer.choice import Choice, choose_with
@@ -67,8 +67,8 @@ class Settings:
 
     @property
     def shadows(self) -> str:
-        """The occlusion that materials show: `AUTO` is a bake that the add-on itself keeps new."""
-        return BAKED if self.occlusion == AUTO else self.occlusion
+        """The occlusion that materials show: all light is a bake, whoever keeps it new."""
+        return BAKED if self.occlusion in ALL_LIGHT else self.occlusion
 
     @property
     def sensors(self) -> NDArray[np.float64]:
