@@ -121,6 +121,26 @@ QUALITIES: Choices = {
 }
 """Of simulated skies."""
 
+QUANTITIES: Choices = {
+    "illuminance": Entry("Illuminance", "Light that falls on a surface, in lux"),
+    "luminance": Entry("Luminance", "Light that a surface sends towards the eye, in cd/m²"),
+    "melanopic": Entry(
+        "Melanopic EDI", "Light that sets the body's clock, as lux of daylight that acts alike"
+    ),
+    "rhodopic": Entry("Rhodopic EDI", "Light for the rods, as lux of daylight that acts alike"),
+    "s-cone-opic": Entry(
+        "S-Cone EDI", "Light for the cones for blue, as lux of daylight that acts alike"
+    ),
+    "m-cone-opic": Entry(
+        "M-Cone EDI", "Light for the cones for green, as lux of daylight that acts alike"
+    ),
+    "l-cone-opic": Entry(
+        "L-Cone EDI", "Light for the cones for red, as lux of daylight that acts alike"
+    ),
+}
+"""What is measured of light, each linear in its spectrum; EDI is CIE S 026's equivalent daylight
+(D65) illuminance. See `spectra.photometry`."""
+
 UNITS: Choices = {
     "percent": Entry("Percent", "0 to 100"),
     "fraction": Entry("Fraction", "0 to 1"),

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, parameter
+from ..spectra.photometry import LUMINOUS_EFFICACY
 from ..spectra.sensitivities import observer
 from .scattering import direction
 from .simulation import simulate
@@ -20,9 +21,6 @@ SUN_ANGULAR_RADIUS = 0.2665
 
 WHITE_LUMINANCE = 1.0e4
 """[cd/m^2] that RGB (1, 1, 1) of `sky_rgb` stands for: by day a white wall is then near 1."""
-
-LUMINOUS_EFFICACY = 683.002
-"""[lm/W] at 555 nm, CIE 018:2019."""
 
 SCALE = LUMINOUS_EFFICACY / WHITE_LUMINANCE
 """What `observer` times radiance is multiplied by to be such RGB."""

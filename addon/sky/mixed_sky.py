@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError, parameter
 from ..spectra.grid import WAVELENGTHS, WEIGHTS
 from ..spectra.illuminants import D65
+from ..spectra.photometry import LUMINOUS_EFFICACY
 from ..spectra.sensitivities import cmfs
-from .clear_sky import LUMINOUS_EFFICACY
 from .simulation import SimulatedSky, nodes
 
 PHOTOPIC: NDArray[np.float64] = LUMINOUS_EFFICACY * WEIGHTS * cmfs()[1]

@@ -10,10 +10,11 @@ from spectral_skylight.addon.sky.cie_skies import (
     cie_sky,
     overcast_illuminance,
 )
-from spectral_skylight.addon.sky.clear_sky import LUMINOUS_EFFICACY, picture
+from spectral_skylight.addon.sky.clear_sky import picture
 from spectral_skylight.addon.sky.simulation import nodes, simulate
 from spectral_skylight.addon.spectra.grid import WEIGHTS
 from spectral_skylight.addon.spectra.illuminants import D65
+from spectral_skylight.addon.spectra.photometry import LUMINOUS_EFFICACY
 from spectral_skylight.addon.spectra.sensitivities import cmfs
 
 ELEVATION, AZIMUTH = np.radians(np.mgrid[1:90:4, 0:180:7].astype(float))
