@@ -40,7 +40,7 @@ MAY_IMPORT = {
     "pictures": BASE | {"spectra", "sky", "transfer"},
     "node_groups": set(),
     "scene": BASE | {"spectra", "sky", "transfer", "transport", "pictures", "node_groups"},
-    "ui": BASE | {"scene", "spectra", "transfer", "pictures", "batch"},
+    "ui": BASE | {"scene", "spectra", "sky", "transfer", "pictures", "batch"},
     "registration": {"ui", "cli"},
     "cli": BASE | {"commands"},
     "commands": BASE | {"spectra", "sky", "transfer", "evaluation", "pictures", "scene", "batch"},

@@ -61,6 +61,16 @@ def test_sun_by_date_and_place(tmp_path, capsys):
     assert "sun at 60.9" in out and "azimuth 180." in out
 
 
+def test_sun_by_date_and_city(tmp_path, capsys):
+    make(tmp_path / "a.exr", "--date", "2025-06-21", "--time", "13:10", "--city", "berlin")
+    out = capsys.readouterr().out
+    assert out.startswith("Berlin, Germany: 52.52°, 13.41°, Europe/Berlin\n")
+    assert "sun at 60.9" in out and "azimuth 180." in out
+    zone = ("--timezone", "+1")  # an hour later in summer
+    make(tmp_path / "a.exr", "--date", "2025-06-21", "--time", "12:10", "--city", "berlin", *zone)
+    assert "sun at 60.9" in capsys.readouterr().out
+
+
 def test_a_standard_sky(tmp_path, capsys):
     found = make(tmp_path / "a.exr", "--sun-elevation", 30, "--cie", 5, "--illuminance", 10000)
     assert "CIE standard sky 5, uniform" in capsys.readouterr().out
@@ -100,6 +110,10 @@ def test_standard_error_is_stated(tmp_path, capsys):
         (["--sun-elevation", "-3", "--cie", "1"], "--sun-elevation: -3°"),
         (["--sun-elevation", "20", "--cie", "1", "--illuminance", "0"], "--illuminance: 0 lx"),
         (["--sun-elevation", "20", "--illuminance", "9000"], "give --cie too"),
+        (["--date", "2025-06-21", "--city", "Oz"], "--city: 'Oz' is not in the list"),
+        (["--date", "2025-06-21", "--city", "Bonn", "--latitude", "1"], "leave --latitude"),
+        (["--sun-elevation", "20", "--city", "Bonn"], "--city: the day is unknown"),
+        (["--date", "2025-06-21", "--epw", "a", "--city", "Bonn"], "leave --city out"),
         (["--date", "2025-13-01", "--latitude", "0", "--longitude", "0"], "--date"),
         (["--sun-elevation", "20", "--orders", "some"], "--orders"),
         (["--sun-elevation", "20", "--orders", "0"], "--orders"),

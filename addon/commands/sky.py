@@ -26,6 +26,11 @@ def add(commands: Commands) -> None:
         "--time", default="12:00", metavar="HH:MM", help="local time; default: noon"
     )
     parser.add_argument(
+        "--city",
+        metavar="NAME",
+        help="place and time zone of a city, as in Paris or 'Paris, Texas'",
+    )
+    parser.add_argument(
         "--latitude", type=float, metavar="DEG", help="in degrees, north is positive"
     )
     parser.add_argument(
@@ -33,9 +38,9 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument(
         "--timezone",
-        default="UTC",
         metavar="ZONE",
-        help="name such as Europe/Berlin, or hours east of UTC such as +2",
+        help="name such as Europe/Berlin, or hours east of UTC such as +2; default: the city's, "
+        "else UTC",
     )
     parser.add_argument(
         "--cie",
@@ -115,6 +120,7 @@ def run(options: argparse.Namespace) -> None:
     from ..sky.clear_sky import SCALE, WHITE_LUMINANCE, picture
     from ..sky.panorama import write_panorama, write_spectral
     from ..sky.simulation import simulate
+    from ..sky.weather import under_weather
     from ..spectra.grid import WAVELENGTHS
     from ..spectra.sensitivities import observer
 
@@ -123,6 +129,7 @@ def run(options: argparse.Namespace) -> None:
     if not 8 <= options.width <= 8192:
         raise InputError("--width", f"{options.width} pixels", "give 8 to 8192")
     hour = _hour(options)
+    _of_city(options)
     elevation, azimuth = _sun(options)
     if not abs(azimuth) <= 360.0:
         raise InputError("--sun-azimuth", f"{azimuth:g}°", "give -360 to 360")
@@ -137,7 +144,7 @@ def run(options: argparse.Namespace) -> None:
         seed=options.seed,
         progress=sys.stderr.isatty(),
     )
-    shown, kind = _kind(options, sky, hour)
+    shown, kind = under_weather(sky, cie=options.cie, illuminance=options.illuminance, hour=hour)
     view = options.width // 2, azimuth, options.sun_disc
     if options.out:
         attributes = {
@@ -166,31 +173,30 @@ def _hour(options: argparse.Namespace) -> Any:
         raise InputError("--epw", "says what the sky is like", "leave --cie out")
     if options.date is None:
         raise InputError("--epw", "the hour is unknown", "give --date and --time too")
-    if options.latitude is not None or options.longitude is not None:
-        raise InputError("--epw", "says the place", "leave --latitude and --longitude out")
+    for name in ("city", "latitude", "longitude", "timezone"):
+        if getattr(options, name) is not None:
+            raise InputError("--epw", "says place and time zone", f"leave --{name} out")
     hour = read_hour(options.epw, options.date, options.time)
-    options.latitude, options.longitude = hour.latitude, hour.longitude
-    options.timezone = hour.timezone
+    station = hour.station
+    options.latitude, options.longitude = station.latitude, station.longitude
+    options.timezone = station.timezone
     return hour
 
 
-def _kind(options: argparse.Namespace, clear: Any, hour: Any) -> tuple[Any, str]:
-    """Return the sky that the options ask for, of a clear one, and what it is called."""
-    if hour is not None:
-        from ..sky.all_weather import SOLAR_CONSTANT, all_weather_sky
+def _of_city(options: argparse.Namespace) -> None:
+    """Give the options the place of the city that they name, and its zone where they have none."""
+    if options.city is None:
+        return
+    from ..sky.cities import city
 
-        outside = hour.extraterrestrial or SOLAR_CONSTANT
-        sky = all_weather_sky(clear, hour.direct, hour.diffuse, extraterrestrial=outside)
-        measured = f"direct {hour.direct:g} and diffuse {hour.diffuse:g} W/m²"
-        return sky, f"sky of {hour.station}: {measured}, {100 * sky.cover:.0f} % cloud"
-    if options.cie is None:
-        if options.illuminance is not None:
-            raise InputError("--illuminance", "is of a standard sky", "give --cie too")
-        return clear, "clear sky"
-    from ..sky.cie_skies import STANDARDS, cie_sky
-
-    sky = cie_sky(options.cie, clear, options.illuminance)
-    return sky, f"CIE standard sky {options.cie}, {STANDARDS[options.cie].name}"
+    if options.date is None:
+        raise InputError("--city", "the day is unknown", "give --date too")
+    if options.latitude is not None or options.longitude is not None:
+        raise InputError("--city", "says the place", "leave --latitude and --longitude out")
+    found = city(options.city)
+    options.latitude, options.longitude = found.latitude, found.longitude
+    options.timezone = options.timezone or found.timezone
+    print(f"{found.label}: {found.latitude:.2f}°, {found.longitude:.2f}°, {found.timezone}")
 
 
 def _sun(options: argparse.Namespace) -> tuple[float, float]:
@@ -204,9 +210,15 @@ def _sun(options: argparse.Namespace) -> tuple[float, float]:
     from ..sky.sun_position import sun_position
 
     if options.latitude is None or options.longitude is None:
-        raise InputError("--date", "the place is unknown", "give --latitude and --longitude too")
+        raise InputError(
+            "--date", "the place is unknown", "give --city, or --latitude and --longitude"
+        )
     elevation, azimuth = sun_position(
-        options.date, options.time, options.latitude, options.longitude, options.timezone
+        options.date,
+        options.time,
+        options.latitude,
+        options.longitude,
+        options.timezone or "UTC",
     )
     return elevation, azimuth if options.sun_azimuth is None else options.sun_azimuth
 

@@ -6,12 +6,12 @@ import calendar
 import re
 from collections.abc import Sequence
 from datetime import UTC, datetime, timedelta, timezone, tzinfo
-from zoneinfo import ZoneInfo, available_timezones
 
 import numpy as np
 
 from ..errors import InputError, parameter
 from .solar_position import solar_position
+from .time_zones import time_zone
 
 LAST_YEAR = 3000
 """How far `solar_position` has been compared."""
@@ -112,11 +112,9 @@ def _zone(name: str) -> tzinfo:
     given = re.fullmatch(r"([+-])(\d{1,2}(?:\.\d+)?)(?::([0-5]\d))?", name)
     try:
         if given is None:
-            return ZoneInfo(name)
+            return time_zone(name)
         distance = timedelta(hours=float(given[2]), minutes=int(given[3] or 0))
         return timezone(-distance if given[1] == "-" else distance)
-    except (ValueError, OSError, KeyError):  # ZoneInfoNotFoundError is a KeyError
+    except (ValueError, KeyError):
         cure = "give a name such as Europe/Berlin, or hours such as +2"
-        if not available_timezones():  # on Windows, where Python has no tables of them
-            cure = "names are not known on this computer: give hours such as +2"
         raise InputError(parameter("timezone"), f"'{name}' is unknown", cure) from None

@@ -8,14 +8,15 @@ import json
 import math
 import sys
 from typing import Any
-from zoneinfo import available_timezones
 
 import bpy
 
 
 def _zones(self, context, typed) -> list[str]:
     """Names of time zones, listed when the field is opened."""
-    return sorted(available_timezones())
+    from ..sky import time_zones
+
+    return time_zones.names()
 
 
 class SkylightPlace(bpy.types.PropertyGroup):

@@ -5,7 +5,7 @@ import pytest
 
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.sky.all_weather import Weather, all_weather_sky, weather
-from spectral_skylight.addon.sky.epw import read_hour
+from spectral_skylight.addon.sky.epw import Station, read_hour, read_station
 from spectral_skylight.addon.sky.mixed_sky import PHOTOPIC
 from spectral_skylight.addon.sky.simulation import simulate
 
@@ -95,19 +95,18 @@ def epw(path, rows=None, *, steps=1, head="LOCATION,Zürich,-,CHE,IWEC,066700,47
     return path
 
 
-def row(hour, direct, diffuse, month=6, day=21):
+def row(hour, direct, diffuse, month=6, day=21, year=1992):
     values = [15.0, 9.0, 60, 96000, 0, 1325, 300, 500, direct, diffuse, 0, 0, 0, 0]
-    return f"1992,{month},{day},{hour},60,flags," + ",".join(map(str, values))
+    return f"{year},{month},{day},{hour},60,flags," + ",".join(map(str, values))
 
 
 def test_an_hour_is_read(tmp_path):
     path = epw(tmp_path / "a.epw")
     found = read_hour(path, "2025-06-21", "14:30")  # the 15th hour
     assert (found.direct, found.diffuse, found.extraterrestrial) == (750.0, 150.0, 1325.0)
-    assert (found.station, found.latitude, found.longitude) == ("Zürich", 47.4, 8.6)
-    assert found.timezone == "+1"
+    assert found.station == read_station(path) == Station("Zürich", 47.4, 8.6, "+1")
     text = path.read_bytes().decode("latin-1")
-    for encoding in ("utf-8", "utf-8-sig", "utf-16"):
+    for encoding in ("utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be"):
         path.write_bytes(text.encode(encoding))
         assert read_hour(path, "2025-06-21", "14:30") == found
 
@@ -125,11 +124,54 @@ def test_an_hour_is_read(tmp_path):
         ({"head": "wavelength,a"}, "14:30", "does not begin with LOCATION"),
         ({"head": "LOCATION,a,b,c,d,e,north,8,1,0"}, "14:30", "line 1: 'north' is no number"),
         ({}, "25:00", "^date: .* is not a date and time"),
+        ({"rows": [row(15, 100, "")]}, "14:30", "line 9: diffuse radiation .* not measured"),
+        ({"rows": [row(15, -9999, 9)]}, "14:30", "line 9: direct radiation .* not measured"),
+        ({"rows": [row(0, 0, 0), row(14, 1, 1)]}, "14:30", "line 9: counts hours from 0"),
+        ({"rows": [row(15, 1, 1), row(15, 2, 2)]}, "14:30", "line 10: is the same hour as line 9"),
+        (
+            {"rows": [row(15, 1, 1, year=2019), row(15, 2, 2, year=2021)]},
+            "14:30",
+            "has that hour in 2019, 2021; give a date in one of these years",
+        ),
+        ({"head": "LOCATION;a;b;c;d;e;1;2;0;9"}, "14:30", "is not separated by commas"),
+        ({"head": "LOCATION,a,b,c,d,e,999,8,1,0"}, "14:30", "line 1: the latitude is 999; mend"),
+        ({"head": "LOCATION,a,b,c,d,e,9,,1,0"}, "14:30", "line 1: the longitude is 9999"),
+        ({"head": "LOCATION,a,b,c,d,e,9,8,60,0"}, "14:30", "line 1: the time zone is 60"),
     ],
 )
 def test_files_that_are_none(tmp_path, file, time, part):
     with pytest.raises(InputError, match=part):
         read_hour(epw(tmp_path / "a.epw", **file), "2025-06-21", time)
+
+
+def test_an_hour_of_the_dates_own_year(tmp_path):
+    rows = [row(15, 100.0 + year, 50, year=year) for year in (2024, 2025)]
+    found = read_hour(epw(tmp_path / "a.epw", rows), "2025-06-21", "14:30")
+    assert found.direct == 2125.0
+
+
+def test_the_last_hour_and_a_leap_day(tmp_path):
+    rows = [row(24, 1, 2), row(12, 3, 4, month=2, day=29)]
+    path = epw(tmp_path / "a.epw", rows)
+    assert read_hour(path, "2025-06-21", "23:59").direct == 1.0
+    assert read_hour(path, "2024-02-29", "11:00").direct == 3.0
+    with pytest.raises(InputError, match="has no hour 12 of day 29.* typical years have no leap"):
+        read_hour(epw(tmp_path / "b.epw"), "2024-02-29", "11:00")
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        'LOCATION,"Washington, DC",-,USA,TMY3,1,47.4,8.6,1.0,436.0',
+        "LOCATION,Frankfurt, Main,-,DEU,IWEC,1,47.4,8.6,1.0,436.0",
+        "LOCATION,Zürich\x85,-,CHE,IWEC,1,47.4,8.6,1.0,436.0,,,,",
+        "LOCATION,Zürich,-,CHE,IWEC,1,47.4,8.6,1.0,",
+    ],
+)
+def test_first_lines_of_many_kinds(tmp_path, head):
+    """Commas in names, what is the end of a line in other encodings, a spreadsheet's padding."""
+    found = read_hour(epw(tmp_path / "a.epw", head=head), "2025-06-21", "14:30").station
+    assert (found.latitude, found.longitude, found.timezone) == (47.4, 8.6, "+1")
 
 
 def test_files_cut_off_anywhere(tmp_path):

@@ -68,11 +68,3 @@ def test_a_leap_day_lies_between_its_neighbors():
     before, day, after = (sun_position(each, "12:00", 0.0, 0.0)[0] for each in days)
     assert day == pytest.approx((before + after) / 2, abs=0.01)  # the declination's curvature
     assert after - before == pytest.approx(0.75, abs=0.02)  # 0.38° a day in late winter
-
-
-def test_where_zones_have_no_names(monkeypatch):
-    from spectral_skylight.addon.sky import sun_position as module
-
-    monkeypatch.setattr(module, "available_timezones", set)
-    with pytest.raises(InputError, match="not known on this computer: give hours such as"):
-        sun_position("2025-06-21", "12:00", 0.0, 0.0, "Nowhere/Land")
