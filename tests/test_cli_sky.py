@@ -8,6 +8,7 @@ import pytest
 from spectral_skylight.addon import cli
 from spectral_skylight.addon.sky.panorama import read_panorama, write_panorama
 from spectral_skylight.addon.sky.sun_position import sun_position
+from spectral_skylight.tests.pictures.reading import read_png
 from spectral_skylight.tests.sky.test_all_weather import epw, row
 
 
@@ -69,6 +70,16 @@ def test_sun_by_date_and_city(tmp_path, capsys):
     zone = ("--timezone", "+1")  # an hour later in summer
     make(tmp_path / "a.exr", "--date", "2025-06-21", "--time", "12:10", "--city", "berlin", *zone)
     assert "sun at 60.9" in capsys.readouterr().out
+
+
+def test_a_heliodon_needs_no_simulation(tmp_path, capsys):
+    place = ("--city", "Berlin", "--date", "2025-06-21", "--time", "13:10")
+    path = tmp_path / "paths.png"
+    assert cli.main(["sky", *place, "--heliodon", str(path)]) == 0
+    assert "sun at 60.9" in capsys.readouterr().out
+    assert read_png(path).shape == (720, 720, 3)
+    assert cli.main(["sky", "--sun-elevation", "30", "--heliodon", str(path)]) == 2
+    assert "--heliodon: the place is unknown" in capsys.readouterr().err
 
 
 def test_a_standard_sky(tmp_path, capsys):

@@ -112,11 +112,38 @@ def add(commands: Commands) -> None:
         metavar="SPECTRAL.exr",
         help="spectral radiance in W m⁻² sr⁻¹ nm⁻¹, 81 channels",
     )
+    parser.add_argument(
+        "--heliodon",
+        type=output(".png"),
+        metavar="PATHS.png",
+        help="draw the sun's paths over the place, with hours, and where the sun stands",
+    )
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Simulate the sky, write it, and say where the sun stands."""
+    if not (options.out or options.spectral or options.heliodon):
+        cure = "give --out SKY.exr, --spectral FILE.exr or --heliodon FILE.png"
+        raise InputError("sky", "no output file", cure)
+    if not 8 <= options.width <= 8192:
+        raise InputError("--width", f"{options.width} pixels", "give 8 to 8192")
+    hour = _hour(options)
+    _of_city(options)
+    elevation, azimuth = _sun(options)
+    if options.heliodon and options.date is None:
+        cure = "give --date with --city, or with --latitude and --longitude"
+        raise InputError("--heliodon", "the place is unknown", cure)
+    if options.out or options.spectral:
+        _simulate(options, hour, elevation, azimuth)
+    else:
+        print(f"sun at {elevation:.2f}°, azimuth {azimuth:.2f}°")
+    if options.heliodon:
+        _draw_heliodon(options, hour)
+
+
+def _simulate(options: argparse.Namespace, hour: Any, elevation: float, azimuth: float) -> None:
+    """Simulate the sky and write it."""
     from ..sky.clear_sky import SCALE, WHITE_LUMINANCE, picture
     from ..sky.panorama import write_panorama, write_spectral
     from ..sky.simulation import simulate
@@ -124,13 +151,6 @@ def run(options: argparse.Namespace) -> None:
     from ..spectra.grid import WAVELENGTHS
     from ..spectra.sensitivities import observer
 
-    if not (options.out or options.spectral):
-        raise InputError("sky", "no output file", "give --out SKY.exr or --spectral FILE.exr")
-    if not 8 <= options.width <= 8192:
-        raise InputError("--width", f"{options.width} pixels", "give 8 to 8192")
-    hour = _hour(options)
-    _of_city(options)
-    elevation, azimuth = _sun(options)
     if not abs(azimuth) <= 360.0:
         raise InputError("--sun-azimuth", f"{azimuth:g}°", "give -360 to 360")
     orders = options.orders
@@ -161,6 +181,19 @@ def run(options: argparse.Namespace) -> None:
         f"sun at {elevation:.2f}°, azimuth {azimuth:.2f}°; "
         f"standard error of the irradiance at most {100 * error:.2f} % at any wavelength"
     )
+
+
+def _draw_heliodon(options: argparse.Namespace, hour: Any) -> None:
+    """Draw the sun's paths over the place that the options name."""
+    from ..pictures.heliodon import Heliodon, heliodon
+    from ..pictures.png_file import write_png
+    from ..pictures.theme import LIGHT
+    from ..sky.sun_position import local_moment
+
+    moment = local_moment(options.date, options.time, options.timezone or "UTC")
+    shown = Heliodon(moment, options.latitude, options.longitude)
+    title = hour.station.name if hour is not None else options.city or ""
+    write_png(options.heliodon, heliodon(shown, title, theme=LIGHT, scale=1.5))
 
 
 def _hour(options: argparse.Namespace) -> Any:
@@ -194,6 +227,7 @@ def _of_city(options: argparse.Namespace) -> None:
     if options.latitude is not None or options.longitude is not None:
         raise InputError("--city", "says the place", "leave --latitude and --longitude out")
     found = city(options.city)
+    options.city = found.label
     options.latitude, options.longitude = found.latitude, found.longitude
     options.timezone = options.timezone or found.timezone
     print(f"{found.label}: {found.latitude:.2f}°, {found.longitude:.2f}°, {found.timezone}")

@@ -53,14 +53,14 @@ def sun_positions(
         raise InputError(
             parameter("longitude"), f"{longitude:g}°", "give -180 to 180, east positive"
         )
-    moments = [_moment(date, time, zone) for time in times]
+    moments = [local_moment(date, time, zone) for time in times]
     seconds = np.array([moment.timestamp() for moment in moments])
     elevation, azimuth = solar_position(seconds, latitude, longitude)
     return list(zip(elevation.tolist(), azimuth.tolist(), strict=True))
 
 
-def _moment(date: str, time: str, zone: str) -> datetime:
-    """Read a local date and time."""
+def local_moment(date: str, time: str, zone: str = "UTC") -> datetime:
+    """Return a local date and time with its zone; arguments and errors as `sun_positions` has."""
     cure = f"give {parameter('date')} YYYY-MM-DD and {parameter('time')} HH:MM"
     try:
         moment = datetime.fromisoformat(f"{date}T{time}")
