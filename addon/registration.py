@@ -38,6 +38,7 @@ from .ui import (
     properties,
     remove,
     staleness_handlers,
+    swatch_grid,
     update,
     view,
 )
@@ -60,6 +61,7 @@ MODULES = (
     view,
     panels,
     library,
+    swatch_grid,
     assign,
     assignment_files,
     assets,

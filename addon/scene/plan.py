@@ -14,6 +14,7 @@ from ..sky.light import SkyLight
 from ..spectra.working_spaces import rec709_to_working
 from ..transfer.assignment import Assignment
 from ..transfer.choice import Choice, lowest_degree, sky_line, visibility_line
+from ..transfer.unmeasured import expected_change
 from ..transfer.white import estimate_white
 from . import scene_lighting
 from .bake import sky_exposure
@@ -102,6 +103,7 @@ def make(world: bpy.types.World | None, given: Assignments, settings: Settings) 
     towards_sun = scene_lighting.towards_sun(world, light, settings)
     values = _stacked(surfaces)
     reflected = lights.reflected(values)
+    measuring = _measuring(choice, light, values)
     return Plan(
         world,
         settings,
@@ -110,7 +112,7 @@ def make(world: bpy.types.World | None, given: Assignments, settings: Settings) 
         lights,
         towards_sun,
         tuple(
-            _material(material, one, choice, lights, settings, k, reflected)
+            _material(material, one, choice, lights, settings, k, reflected, measuring[k])
             for k, (material, one) in enumerate(surfaces.items())
         ),
         {material: one for material, one in given.items() if one.faces},
@@ -152,6 +154,7 @@ def _material(
     settings: Settings,
     k: int,
     reflected: dict[str, NDArray[np.float64]],
+    measuring: float,
 ) -> MaterialPlan:
     """Plan one material, which stands k-th in the choice."""
     prediction = choice.prediction
@@ -169,6 +172,7 @@ def _material(
         out_of_gamut=bool(prediction.out_of_gamut[k]),
         line=choice.line(k, f"{material.name} ({given.name})"),
         unknown=prediction.unknown,
+        measuring=float(measuring) if given.estimated and np.isfinite(measuring) else None,
     )
     followed = given.estimated or texture is not None
     details = Details(
@@ -194,6 +198,15 @@ def _material(
     if texture is not None:
         comparison |= rgb_comparison.texture(lights, texture, given.values)
     return MaterialPlan(material, given, surface, texture, comparison)
+
+
+def _measuring(
+    choice: Choice, light: SkyLight, reflectances: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """By how much a measurement would change each of these (m, 81), NaN where nothing is known."""
+    if choice.prediction is None or not choice.prediction.known:
+        return np.full(len(reflectances), np.nan)
+    return expected_change(choice.transfer, reflectances, light.faces)
 
 
 def _caption(lights: Lights, hidden: float | None) -> str:

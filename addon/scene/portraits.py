@@ -64,3 +64,15 @@ def expected() -> list[tuple[str, float, float]]:
         if managed is not None and managed.details.result is not None
     ]
     return sorted(rows, key=lambda row: math.inf if math.isnan(row[1]) else -row[1])
+
+
+def unsure() -> tuple[str, float] | None:
+    """The managed material that a measurement is expected to change most, and its CIEDE2000.
+
+    None where nothing is estimated, or nothing can be predicted.
+    """
+    found = ((m.name, spectral_material.managed(m)) for m in spectral_material.ours())
+    rows = ((name, managed.details.result) for name, managed in found if managed is not None)
+    known = [(row.measuring, name) for name, row in rows if row and row.measuring is not None]
+    change, name = max(known, default=(0.0, ""))
+    return (name, change) if known else None

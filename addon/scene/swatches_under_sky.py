@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..spectra.working_spaces import rec709_to_working, srgb
 from ..transfer.prediction import rgb_albedo
 from ..transfer.swatches import beside
 from .blend_data import working_space
@@ -30,6 +31,13 @@ def colours(
 def daylight(reflectances: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return their colours under D65 alone, (m, 3), white (1, 1, 1)."""
     return rgb_albedo(reflectances, working_space.name())
+
+
+def on_screen(colour: NDArray[np.float64]) -> list[int]:
+    """Return a colour (3,) of the working space as sRGB of 8 bits, cut off outside."""
+    to_rec709 = np.linalg.inv(rec709_to_working(working_space.name()))
+    found: list[int] = np.rint(255.0 * srgb(to_rec709 @ colour)).astype(int).tolist()
+    return found
 
 
 def sky_key(world: bpy.types.World | None, settings: Settings | None) -> str:

@@ -12,8 +12,8 @@ class Assign(choice.Fields, operator.Thin):
 
     @classmethod
     def disabled_reason(cls, context):
-        if library_state.chosen(context) is None:
-            return "Show the library and choose a reflectance first"
+        if library_state.seen(context) is None:
+            return "Show the library and choose a row of its list first"
         return cls.nothing_to_do(context)
 
     @classmethod
@@ -23,7 +23,7 @@ class Assign(choice.Fields, operator.Thin):
     def run(self, context):
         from ..scene import use_cases
 
-        number = library_state.chosen(context)
+        number = library_state.seen(context)
         library = library_state.library
         chosen = choice.Chosen(
             library.paths[number],

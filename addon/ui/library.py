@@ -2,10 +2,15 @@
 
 # mypy: disable-error-code="valid-type"
 
+from typing import TYPE_CHECKING
+
 import bpy
 
 from ..choices import ORDERS, items
 from . import library_state, operator, panel_text, preferences
+
+if TYPE_CHECKING:
+    from ..spectra.library import Library
 
 ROWS = 8
 TOLD = 40
@@ -32,6 +37,16 @@ class SkylightSpectrum(bpy.types.PropertyGroup):
     )
 
 
+def _found_anew(own, context) -> None:
+    """Draw the swatches of what is found now, and the grid with them."""
+    from . import swatch_grid
+
+    if own.material and library_state.library is not None:
+        swatch_grid.draw_swatches(own)
+    if (grid := getattr(context, "region_popup", None)) is not None:
+        grid.tag_refresh_ui()
+
+
 class SkylightLibrary(bpy.types.PropertyGroup):
     """What of the library is shown, as `window_manager.skylight_library`: in no file."""
 
@@ -41,7 +56,15 @@ class SkylightLibrary(bpy.types.PropertyGroup):
         name="Search",
         description="Show reflectances whose name, kind or file contains all these words",
         options={"TEXTEDIT_UPDATE"},
+        update=_found_anew,
     )
+    category: bpy.props.EnumProperty(
+        name="Kind",
+        description="What kind of material the grid shows",
+        items=lambda self, context: library_state.categories(id(library_state.library)),
+        update=_found_anew,
+    )
+    material: bpy.props.StringProperty(description="Which material the grid is for")
     order: bpy.props.EnumProperty(
         name="Order", description="How the list is sorted", items=items(ORDERS, upper=True)
     )
@@ -85,18 +108,30 @@ change. Press Esc to stop"""
 
         if done is None:
             return [("WARNING", "Stopped. The next refresh continues from here")]
-        own = context.window_manager.skylight_library
-        before = library_state.place(library_state.chosen(context))
-        library_state.put(done)
-        library_state.light(context)
-        own.spectra.clear()
-        for number, name in enumerate(done.names):
-            row = own.spectra.add()
-            row.name, row.number = name, number
-        places = zip(done.paths, done.names, strict=True)
-        own.active = next((k for k, place in enumerate(places) if place == before), 0)
+        show(context, done)
         unused = f", {done.unused} unusable" if done.unused else ""
         return [*assignments.refresh(done), ("INFO", f"{len(done)} reflectances{unused}")]
+
+
+def show(context: bpy.types.Context, found: "Library", part: bool = False) -> None:
+    """Show a library, what was chosen before chosen again; ``part``: without its folders."""
+    own = context.window_manager.skylight_library
+    before = library_state.place(library_state.chosen(context))
+    library_state.put(found, part)
+    library_state.light(context)
+    own.spectra.clear()
+    for number, name in enumerate(found.names):
+        row = own.spectra.add()
+        row.name, row.number = name, number
+    places = zip(found.paths, found.names, strict=True)
+    own.active = next((k for k, place in enumerate(places) if place == before), 0)
+
+
+def show_built_in(context: bpy.types.Context) -> None:
+    """Show what needs no file, at once."""
+    from ..spectra import library
+
+    show(context, library.built_in(), bool(preferences.folders(context)))
 
 
 class SKYLIGHT_OT_library_problems(bpy.types.Operator):
@@ -145,7 +180,10 @@ class SKYLIGHT_PT_library(bpy.types.Panel):
             layout.operator("skylight.refresh_library", text="Show Library", icon="ASSET_MANAGER")
         else:
             _list(layout, context, own)
-            _about(layout, context, number)
+            if library_state.seen(context) is None:
+                layout.label(text="Choose a row of the list")
+            else:
+                _about(layout, context, number)
         preferences.draw_folders(layout, context)
 
 
@@ -157,13 +195,7 @@ def _list(layout, context, own) -> None:
     lit = library_state.under_sky is not None
     layout.label(text="This sky · D65" if lit else "D65: the World has no sky")
     layout.template_list("SKYLIGHT_UL_library", "", own, "spectra", own, "active", rows=ROWS)
-    if library_state.sky_key(context) != library_state.lit_by:
-        panel_text.paragraph(
-            layout,
-            context,
-            "The sky has changed. Press Refresh Library to update the swatches",
-            "INFO",
-        )
+    library_state.follow_sky(context)
 
 
 def _about(layout, context, number: int) -> None:

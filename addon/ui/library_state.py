@@ -12,6 +12,9 @@ import bpy
 
 from ..errors import InputError
 
+ALL = "ALL"
+"""The category that holds every reflectance."""
+
 OFFERED = 3
 """Measured reflectances that are offered for a material."""
 
@@ -27,13 +30,16 @@ under_sky: Any = None
 lit_by = ""
 """The `scene.under_sky.sky_key` of that sky."""
 
+partial = False
+"""Whether the library's folders were left out so far."""
 
-def put(found: Any) -> None:
-    """Show another library, its colours not known yet."""
-    global library, daylight, under_sky, lit_by
-    library, daylight, under_sky, lit_by = found, None, None, ""
-    _shown.cache_clear()
-    _nearest.cache_clear()
+
+def put(found: Any, part: bool = False) -> None:
+    """Show another library, its colours not known yet; ``part``: `partial`."""
+    global library, daylight, under_sky, lit_by, partial
+    library, daylight, under_sky, lit_by, partial = found, None, None, "", part
+    for derived in (_shown, _nearest, categories, _found):
+        derived.cache_clear()
 
 
 def light(context: bpy.types.Context) -> None:
@@ -51,6 +57,29 @@ def light(context: bpy.types.Context) -> None:
             under_sky, daylight = scene_sky.colours(world, settings, library.values)
     except InputError:  # the panel says what is wrong with the sky; D65 is shown all the same
         pass
+
+
+def is_stale(context: bpy.types.Context) -> bool:
+    """Whether the colours are those under another sky."""
+    return library is not None and sky_key(context) != lit_by
+
+
+def follow_sky(context: bpy.types.Context) -> None:
+    """Let the colours be those under the scene's sky soon, where they are another's."""
+    if not is_stale(context) or bpy.app.background:
+        return
+    if not bpy.app.timers.is_registered(_follow):
+        bpy.app.timers.register(_follow, first_interval=0.01)
+
+
+def _follow() -> None:
+    for window in bpy.context.window_manager.windows:
+        with bpy.context.temp_override(window=window):
+            light(bpy.context)
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+        return
 
 
 def sky_key(context: bpy.types.Context) -> str:
@@ -100,9 +129,60 @@ def _nearest(which: int, color: tuple[float, ...], name: str, space: str) -> tup
     return tuple(find(library, color, name, OFFERED, space))
 
 
+@lru_cache(maxsize=2)
+def categories(which: int) -> tuple[tuple[str, str, str], ...]:
+    """Return the library's classes as an enum has them, those of all first.
+
+    ``which``: the id of `library`, for what is kept belongs to one library.
+    """
+    named = sorted({kind for kind in library.classes if kind}) if library is not None else []
+    return (ALL, "All", "Every reflectance"), *((kind, kind, "") for kind in named)
+
+
+def found(own: Any) -> tuple[int, ...]:
+    """Return the numbers of what a grid shows for a `SkylightLibrary`: the nearest to its material
+    first, by name where it has no color."""
+    from ..scene.blend_data import working_space
+    from ..scene.materials import base_color
+
+    if library is None:
+        return ()
+    material = bpy.data.materials.get(own.material)
+    color = None if material is None else base_color.known_colour(material)
+    return _found(id(library), own.search, own.category, color, own.material, working_space.name())
+
+
+@lru_cache(maxsize=32)
+def _found(which: int, search: str, category: str, color: Any, name: str, space: str) -> Any:
+    from ..transfer.nearest import nearest as find
+
+    wanted = {k for k in library.search(search) if category in (ALL, library.classes[k])}
+    if color is None:
+        order = library.order("name").tolist()
+    else:
+        order = [one.number for one in find(library, color, name, len(library), space)]
+    first = [k for k in order if k in wanted]
+    return (*first, *sorted(wanted.difference(first)))
+
+
+def swatch(number: int) -> tuple[int, int, int]:
+    """Return the sRGB color of one under the sky, under D65 where there is none."""
+    from ..scene import swatches_under_sky
+
+    shown = daylight if under_sky is None else under_sky
+    red, green, blue = swatches_under_sky.on_screen(shown[number])
+    return red, green, blue
+
+
 def place(number: int | None) -> tuple[str, str] | None:
     """The file and the column of a reflectance, by which it is found again in another library."""
     return None if number is None else (library.paths[number], library.names[number])
+
+
+def seen(context: bpy.types.Context) -> int | None:
+    """The number of the reflectance that is chosen and to be seen in the list; None without."""
+    number, own = chosen(context), context.window_manager.skylight_library
+    return number if number is not None and shown(own.search, own.order)[0][number] else None
 
 
 def chosen(context: bpy.types.Context) -> int | None:

@@ -37,6 +37,7 @@ def _choose(layout, context, material) -> None:
         row.operator("skylight.apply")
     else:
         row.operator("skylight.estimate", text="Estimate")
+    row.operator("skylight.browse_library").material = material.name
     if material in spectral_material.ours():
         row.operator("skylight.remove")
         row.operator("skylight.explain", text="", icon="QUESTION")

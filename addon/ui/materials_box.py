@@ -7,6 +7,7 @@ import bpy
 from .. import tags
 from ..grouping import grouped
 from . import panel_text, staleness_handlers
+from .look_box import CLOSE
 
 ROWS = 3
 """Reasons why materials need the person."""
@@ -19,7 +20,19 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     column.scale_y = 1.4
     column.operator("skylight.make_spectral", icon="MATERIAL")
     box.label(text=summary(context))
+    _unsure(box)
     _changed(box, context)
+
+
+def _unsure(layout: bpy.types.UILayout) -> None:
+    """The material that a measurement would change most, where that is to be seen."""
+    from ..scene import portraits
+
+    name, change = portraits.unsure() or ("", 0.0)
+    if change >= CLOSE:
+        row = layout.row()
+        row.label(text=f"{name}: unsure, ΔE {change:.1f}")
+        row.operator("skylight.browse_library").material = name
 
 
 def summary(context: bpy.types.Context) -> str:

@@ -9,7 +9,7 @@ STEPS = (
     ("explain",),
     ("assign_to_active", "assign_to_selected"),
     ("write_assignments", "read_assignments"),
-    ("refresh_library", "library_problems", "write_assets"),
+    ("browse_library", "refresh_library", "library_problems", "write_assets"),
     ("bake", "stop_light", "remove_bakes"),
     ("show_in_viewport", "before_after", "view_as", "neutral_white"),
     ("batch_write", "batch_start", "batch_cancel"),

@@ -17,8 +17,8 @@ import bpy.utils.previews
 from ..errors import InputError
 from .labels import told
 
-KEPT = 48
-"""Pictures: some 1 MB each."""
+KEPT = 96
+"""Pictures: up to 1 MB each, and the swatches of a grid."""
 
 Draw = Callable[[], Any]
 """Returns sRGB pixels (h, w, 3) uint8, or raises InputError. It holds numbers, no blend data."""

@@ -87,7 +87,7 @@ class Recorder:
         pass
 
     def __getattr__(self, name):
-        if name in ("row", "column", "box", "split"):
+        if name in ("row", "column", "box", "split", "grid_flow"):
             return lambda **options: Recorder(self.drawn)
         if name == "panel":
             return lambda *names, **options: (Recorder(self.drawn), Recorder(self.drawn))

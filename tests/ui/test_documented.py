@@ -67,6 +67,7 @@ def test_whatever_changes_the_file_can_be_undone(addon):
     apart = {
         "show_in_viewport",
         "library_problems",
+        "browse_library",
         "explain",
         "stop_light",
         "batch_write",

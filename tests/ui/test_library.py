@@ -1,6 +1,7 @@
 """The library of reflectances in Blender: folders, list, swatches, assigning, dropping files."""
 
 import json
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -20,6 +21,8 @@ from spectral_skylight.addon.ui import (
     library_state,
     panels,
     preferences,
+    preview_cache,
+    swatch_grid,
     under_mouse,
 )
 from spectral_skylight.tests.ui import stage
@@ -44,6 +47,15 @@ def shown(enabled, tmp_path, brick):
     (tmp_path / "broken.csv").write_text("nm,a\n400,high\n")
     assert bpy.ops.skylight.add_folder(directory=str(tmp_path)) == {"FINISHED"}
     return bpy.context.window_manager.skylight_library
+
+
+def cells():
+    """The buttons of the grid: what each is called, and what it gives to which material."""
+    own = bpy.context.window_manager.skylight_library
+    recorder = stage.Recorder()
+    grid = SimpleNamespace(layout=recorder, material=own.material)
+    swatch_grid.SKYLIGHT_OT_browse_library.draw(grid, bpy.context)
+    return recorder
 
 
 def choose(name):
@@ -123,10 +135,12 @@ def test_swatches_under_this_sky_and_under_d65(shown, scene):
     choose("moss")
     lit = library_state.lit_by
     bpy.ops.skylight.assign_to_active()
-    assert "Press Refresh" not in drawn(library.SKYLIGHT_PT_library).text  # it is the same sky
+    assert not library_state.is_stale(bpy.context)  # it is the same sky
     scene.world = None
-    assert "Press Refresh" in drawn(library.SKYLIGHT_PT_library).text
-    bpy.ops.skylight.refresh_library()
+    assert library_state.is_stale(bpy.context)
+    drawn(library.SKYLIGHT_PT_library)  # in a window this asks for what follows
+    library_state.light(bpy.context)
+    assert not library_state.is_stale(bpy.context)
     assert library_state.under_sky is None and library_state.lit_by != lit
     assert shown.spectra[shown.active].name == "moss"
     assert (
@@ -163,6 +177,49 @@ def test_assigning_makes_spectral_and_refreshing_keeps_it(shown, tmp_path, capfd
     assert "Wall keeps its reflectance. " in capfd.readouterr().out
     np.testing.assert_array_equal(stage.matrix("Wall"), before)
     assert bpy.ops.skylight.update() == {"FINISHED"}
+
+
+def test_nothing_is_assigned_that_is_not_seen(shown):
+    choose("moss")
+    shown.search = "colorchecker"
+    assert "skylight.assign_to_active" not in drawn(library.SKYLIGHT_PT_library).operators
+    for assign in (bpy.ops.skylight.assign_to_active, bpy.ops.skylight.assign_to_selected):
+        with pytest.raises(RuntimeError, match="choose a row of its list first"):
+            assign()
+    assert given("Wall") is None
+    shown.search = "brick.csv"
+    assert bpy.ops.skylight.assign_to_active() == {"FINISHED"} and given("Wall") == "moss"
+
+
+def test_a_grid_of_swatches_shows_what_is_near_and_gives_what_is_pressed(enabled, scene):
+    """Without the library read before; each cell is a button of its own, and none is more."""
+    wall = material("Wall")
+    brick = read_one("building:USGS:Brick: Building, red").values[0]
+    shader = wall.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (*rgb_albedo(brick), 1.0)
+    library_state.put(None)
+    assert bpy.ops.skylight.browse_library(material="Wall") == {"FINISHED"}
+    own = bpy.context.window_manager.skylight_library
+    seen = cells()
+    assert seen.operators == ["skylight.apply"] * swatch_grid.ROWS * swatch_grid.COLUMNS
+    assert "more: search" in seen.text
+    found = library_state.found(own)
+    assert library_state.library.names[found[0]] == "Brick: Building, red"
+    assert not preview_cache._wanted  # all swatches were there before they were drawn
+    for number in found[:3]:
+        color = library_state.swatch(number)
+        pixels = preview_cache.pixels(("swatch", color))
+        assert pixels[:3] == pytest.approx(np.array(color) / 255.0, abs=1e-6)
+    assert library_state.swatch(found[0])[0] > library_state.swatch(found[0])[2]  # brick is red
+    assert len({*found}) == len(found) == len(library_state.library)
+    own.search = "backstein"
+    assert {library_state.library.classes[k] for k in library_state.found(own)} == {"Brick"}
+    own.search = ""
+    own.category = "Wood"
+    assert {library_state.library.classes[k] for k in library_state.found(own)} == {"Wood"}
+    assert "more: search" not in cells().text
+    own.search = "no such thing"
+    assert cells().operators == [] and "Nothing has all these words" in cells().text
 
 
 def test_without_a_sky_the_choice_is_kept_ready(shown, scene):

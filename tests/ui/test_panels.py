@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon import registration, tags
+from spectral_skylight.addon.scene import portraits
 from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.scene.world import hdri
-from spectral_skylight.addon.ui import all_materials, material_panel, panels, sky_box
+from spectral_skylight.addon.ui import all_materials, material_panel, materials_box, panels, sky_box
 from spectral_skylight.tests.ui.stage import drawn, select
 
 pytestmark = pytest.mark.blender
@@ -43,6 +44,23 @@ def test_the_sky_and_what_of_it_is_missing(applied):
     assert "largest error" in numbers.text
     assert "has changed" not in sky.text
     assert sky.operators[0] == "skylight.load_sky" and "skylight.update" not in sky.operators
+
+
+def test_what_a_measurement_would_change_most_has_its_button(scene):
+    """As long as anything estimated would: what is measured, or close as it is, has no row."""
+    for name, color in (("Wall", (0.1, 0.1, 0.5, 1.0)), ("Roof", (0.5, 0.5, 0.5, 1.0))):
+        shader = bpy.data.materials[name].node_tree.nodes["Principled BSDF"]
+        shader.inputs["Base Color"].default_value = color
+    bpy.ops.skylight.make_spectral()
+    name, change = portraits.unsure()
+    assert name == "Wall" and change > materials_box.CLOSE
+    panel = drawn(panels.SKYLIGHT_PT_main)
+    assert f"Wall: unsure, ΔE {change:.1f}" in panel.text
+    assert "skylight.browse_library" in panel.operators
+    bpy.ops.skylight.apply(material="Wall", filepath="building:USGS", column="Paint: Cobalt blue")
+    name, change = portraits.unsure()
+    assert name == "Roof" and change < materials_box.CLOSE
+    assert "unsure" not in drawn(panels.SKYLIGHT_PT_main).text
 
 
 def test_three_boxes_then_closed_panels_and_the_way_back():

@@ -25,7 +25,9 @@ class Result:
 
     ``model``: one of `choice.MODELS`; expected CIEDE2000 of RGB × RGB and of the model, and the
     model's to count on (``bound``), NaN where unknown; ``colour``: RGB on level ground in the
-    working space; ``line``: all that in words; ``unknown``: why no error could be predicted.
+    working space; ``line``: all that in words; ``unknown``: why no error could be predicted;
+    ``measuring``: the CIEDE2000 by which a measurement is expected to change an estimate, None of
+    what is measured and where unknown.
     """
 
     material: str
@@ -38,6 +40,7 @@ class Result:
     out_of_gamut: bool = False
     line: str = ""
     unknown: str = ""
+    measuring: float | None = None
 
 
 @dataclass(frozen=True)
@@ -117,6 +120,7 @@ _RESULT: dict[str, Callable[[Any], bool]] = {
     "out_of_gamut": lambda value: isinstance(value, bool),
     "line": _is_text,
     "unknown": _is_text,
+    "measuring": kept.is_number,
 }
 _DETAILS: dict[str, Callable[[Any], bool]] = {
     "values": lambda value: kept.are_numbers(value, 81) or value == (),
