@@ -35,6 +35,7 @@ COMMANDS = (
     "chart",
     "apply",
     "explain",
+    "measure",
     "render",
     "batch",
 )

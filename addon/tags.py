@@ -31,6 +31,8 @@ OUTPUT_SOURCE = "spectral_skylight_source"
 # On Worlds and their groups
 SETTINGS = "spectral_skylight_settings"
 """On a World: `scene.world.settings.Settings`, as JSON."""
+LEVEL_LUX = "spectral_skylight_level_lux"
+"""On a World: the lux on the level in the open that it stands for, as a user has measured."""
 LIGHT = "spectral_skylight_description"
 """On a World's group: what was found in its sky, as JSON."""
 SUN_THRESHOLD = "spectral_skylight_sun_threshold"

@@ -34,6 +34,10 @@ from .lights import lighting
 from .materials import base_color, eligibility, spectral_material
 from .materials.assigned import assigned, in_file
 from .materials.record import Result
+from .meter import light_meter
+from .meter.calibration import Told
+from .meter.light_meter import Measured
+from .meter.places import Places
 from .outcome import Everything, Outcome
 from .plan import Assignments
 from .world import hdri, light_group, own_worlds, panorama, simulated_sky, sky_image
@@ -348,6 +352,17 @@ def _shining(scene: bpy.types.Scene, settings: Settings) -> SceneLight:
     _, choice = planning.choose(light, surfaces, settings)
     found = scene_lighting.find(world, light, choice.transfer, settings, {})
     return SceneLight(world, found, scene)
+
+
+def measuring(
+    scene: bpy.types.Scene, settings: Settings, places: Places, told: Told | None = None
+) -> Generator[Progress, None, Measured]:
+    """Measure the light at places of the active scene; returns what meters read there.
+
+    Nothing changes. Raises InputError as `analyzed` and `light_meter.measuring` do.
+    """
+    shining = _shining(scene, settings)
+    return (yield from light_meter.measuring(scene.world, shining, places, told))
 
 
 def remove(materials: Iterable[bpy.types.Material]) -> Outcome:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, BinaryIO
@@ -26,6 +27,8 @@ class Said:
     primaries: str
     factors: str
     black: float
+    white_luminance: float | None = None
+    """[cd/m²] of (1, 1, 1), OpenEXR's ``whiteLuminance``; None where it is not said."""
 
 
 def said_by(header: Mapping[str, Any], place: object) -> Said:
@@ -46,7 +49,10 @@ def said_by(header: Mapping[str, Any], place: object) -> Said:
         factors = (
             f"its header says that red, green and blue were multiplied by {values} (COLORCORR)"
         )
-    return Said(found, layer, primaries, factors, header.get("black", 0.0))
+    white = header.get("whiteLuminance")
+    if not isinstance(white, int | float) or not 0.0 < white < math.inf:
+        white = None
+    return Said(found, layer, primaries, factors, header.get("black", 0.0), white)
 
 
 def read_said(file: BinaryIO, size: int, place: object) -> Said:

@@ -153,7 +153,7 @@ def baking(
                 session.noise = float(np.abs(colours - last).sum() / max(colours.sum(), 1e-30))
                 last = colours
             yield Progress(0.6 + 0.4 * done, points)
-        session.key, session.light = _key(), light.key(session.materials)
+        session.key, session.light = scene_key(), light.key(session.materials)
         _last.append(session)
     finally:
         if laid_out is None:
@@ -179,7 +179,7 @@ def relighting(
     Whoever closes it leaves them the light that they had.
     """
     lines: list[str] = []
-    session = _last[0] if _last and _last[0].key == _key() else None
+    session = _last[0] if _last and _last[0].key == scene_key() else None
     if session is None or session.names != {obj.name for obj in objects}:
         _last.clear()
         session = yield from _cast_anew(objects, light)
@@ -208,6 +208,34 @@ def _cast_anew(
 ) -> Generator[Progress, None, _Session]:
     """Return what is needed to light objects that were laid out before, of receivers no rays."""
     around = geometry.gather(bpy.context.evaluated_depsgraph_get())
+    radiosity = yield from _cast_between(around, light)
+    receivers = Receivers(_kept_targets(objects, around), around.materials, radiosity.space)
+    collected = Collected(receivers, radiosity.space)
+    collected.kept = None
+    return _Session(scene_key(), around.origin, around.materials, radiosity, collected)
+
+
+def casting(
+    light: Light,
+) -> Generator[Progress, None, tuple[NDArray, list[str], Radiosity]]:
+    """Cast rays between all surfaces of the open scene, without receivers.
+
+    Returns the origin (3,) of the geometry, the full names of its materials, and the patches.
+    """
+    around = geometry.gather(bpy.context.evaluated_depsgraph_get())
+    radiosity = yield from _cast_between(around, light)
+    return around.origin, around.materials, radiosity
+
+
+def remembered(key: int) -> tuple[NDArray, list[str], Radiosity] | None:
+    """What `casting` returns, of the last bake; None where it was of another `scene_key`."""
+    if not _last or _last[0].key != key:
+        return None
+    return _last[0].origin, _last[0].materials, _last[0].radiosity
+
+
+def _cast_between(around: geometry.Geometry, light: Light) -> Generator[Progress, None, Radiosity]:
+    """Return the patches of what stands in a scene, with their rays cast."""
     surfaces = around.surfaces
     levels = levels_for(
         surfaces, layout.START * around.size, PATCHES[1], layout.SMALL * around.size
@@ -216,10 +244,7 @@ def _cast_anew(
     radiosity = Radiosity(Space(cells, light.matter(around.materials)))
     for done in radiosity.cast(_sent(radiosity, 1)):
         yield Progress(0.3 * done, "light between surfaces")
-    receivers = Receivers(_kept_targets(objects, around), around.materials, radiosity.space)
-    collected = Collected(receivers, radiosity.space)
-    collected.kept = None
-    return _Session(_key(), around.origin, around.materials, radiosity, collected)
+    return radiosity
 
 
 def _shading(session: _Session, light: Light) -> Shading:
@@ -289,7 +314,7 @@ def _kept_targets(objects: Sequence[bpy.types.Object], around: geometry.Geometry
     return targets
 
 
-def _key() -> int:
+def scene_key() -> int:
     """What stands in the scene, in one number: another place or mesh is another."""
     parts = []
     bpy.context.view_layer.update()

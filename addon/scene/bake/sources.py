@@ -15,7 +15,7 @@ from ...spectra.sensitivities import cmfs
 from ...transfer.ground import split
 from ...transfer.matrices import Transfer
 from ...transport import directions
-from ...transport.bands import Bands
+from ...transport.bands import Bands, spline
 from ...transport.radiosity import Direct
 from ..lights.lighting import Lights
 from ..lights.user_lamps import Lamps, luminance
@@ -26,7 +26,7 @@ from ..world import hdri as worlds
 class Sources:
     """What shines: ``rgb`` (SKY, 3), the sky's cells in the HDRI's numbers, black below; ``ground``
     (SKY,), how many times each cell below has the spectrum ``below`` (81,) [before balancing];
-    ``lamps``, the sun first where it shines; ``turn``: where the World stood."""
+    ``lamps``, the sun first where it shines, which ``sunny`` says."""
 
     transfer: Transfer
     bands: Bands
@@ -34,6 +34,16 @@ class Sources:
     ground: NDArray[np.float64]
     below: NDArray[np.float64]
     lamps: list[Direct]
+    sunny: bool = False
+
+    def restored(self, bands: NDArray) -> NDArray[np.float64]:
+        """The spectrum (..., 81) of light in bands (..., 16)."""
+        return np.asarray(bands, dtype=float) @ spline().T * self.bands.shape
+
+    def seen(self, channels: NDArray) -> NDArray[np.float64]:
+        """The spectrum (..., 81) of light in `channels` (..., 4), before any balancing."""
+        sky = self.transfer.unbalanced(channels[..., :3]) @ self.transfer.restoration.T
+        return sky + channels[..., 3:] * self.below
 
     @property
     def sky(self) -> NDArray[np.float32]:
@@ -86,12 +96,13 @@ def find(world: bpy.types.World, lights: Lights, scene: bpy.types.Scene) -> Sour
             shape = np.maximum(-ways[:, 2], 0.0) * solid / np.pi
             ground = seen / max(float(seen @ shape), 1e-30)
     lamps = []
+    sunny = lights.sun is not None and light.sun is not None
     if lights.sun is not None and light.sun is not None:
         towards = worlds.in_world(sky, light.sun.direction)
         lamps.append(Direct(None, towards, bands.light(lights.sun.spectrum).astype(np.float32)))
     if lights.lamps is not None:
         lamps += _lamps(lights.lamps, bands, transfer, strength_of(world))
-    return Sources(transfer, bands, rgb, ground, below, lamps)
+    return Sources(transfer, bands, rgb, ground, below, lamps, sunny)
 
 
 def strength_of(world: bpy.types.World) -> float:

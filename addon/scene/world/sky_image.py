@@ -71,7 +71,9 @@ def _tag(image: bpy.types.Image, space: str) -> bool:
 
 def _packed(path: Path, sky: Panorama, raw: bool) -> bpy.types.Image:
     # Under a name of its own: unpacking must not overwrite the file that was read.
-    image = _in_file(f"{path.stem}.as_read.exr", sky.rgb, {})
+    said = "whiteLuminance"
+    attributes = {said: sky.metadata[said]} if said in sky.metadata else {}
+    image = _in_file(f"{path.stem}.as_read.exr", sky.rgb, attributes)
     image.colorspace_settings.name = "Non-Color" if raw else DEFAULT_SPACE
     image.name = path.name
     image[tags.SKY] = json.dumps({"file": _stamp(path), "raw": raw, "notes": list(sky.notes)})
@@ -97,6 +99,15 @@ def sun_elevation(image: bpy.types.Image) -> float | None:
     """Return the elevation [degrees] of the sun of a sky that we simulated; None of any other."""
     found = _kept(image).get("sun_elevation", "") if tags.SKY in image else ""
     return float(found) if kept.is_number(found) else None
+
+
+def white_luminance(image: bpy.types.Image) -> float | None:
+    """Return the luminance [cd/m²] of (1, 1, 1) that an image's file says; None where it does not.
+
+    OpenEXR's attribute ``whiteLuminance``.
+    """
+    said = _said(image)
+    return None if said is None else said.white_luminance
 
 
 def _in_file(name: str, rgb: NDArray[np.float32], attributes: Mapping[str, Any]) -> bpy.types.Image:

@@ -1,0 +1,1 @@
+"""Light as a meter reads it: lux, luminance, color temperature, what it does to people."""
