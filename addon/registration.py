@@ -39,6 +39,7 @@ from .ui import (
     remove,
     staleness_handlers,
     swatch_grid,
+    translation,
     update,
     view,
 )
@@ -73,6 +74,9 @@ MODULES = (
 )
 CLASSES: tuple[type, ...] = tuple(cls for module in MODULES for cls in module.CLASSES)
 
+ATTACHED = (properties, place, library, batch, menu, follow, staleness_handlers, translation)
+"""Modules that give Blender more than classes."""
+
 _undo: list[Callable[[], Any]] = []  # what takes back each step of `register`, in its order
 
 
@@ -82,7 +86,7 @@ def register() -> None:
         for cls in CLASSES:
             bpy.utils.register_class(last_guard.guarded(cls))
             _undo.append(partial(bpy.utils.unregister_class, cls))
-        for module in (properties, place, library, batch, menu, follow, staleness_handlers):
+        for module in ATTACHED:
             module.attach()
             _undo.append(module.detach)
         _undo.append(preview_cache.clear)

@@ -61,7 +61,7 @@ MODULES_OF = {
     "pictures": {"numpy"},
     "node_groups": {"bpy"},
     "scene": {"bpy", "bpy_extras", "mathutils", "numpy", *BESIDE_A_PLAN},
-    "ui": {"bpy", "bpy_extras"},
+    "ui": {"blf", "bpy", "bpy_extras"},
     "registration": {"bpy"},
     "cli": set(),
     "commands": {"numpy"},

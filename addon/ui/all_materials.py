@@ -9,6 +9,7 @@ import bpy
 from ..grouping import grouped
 from . import staleness_handlers
 from .panel_text import paragraph
+from .translation import translated
 
 ROWS = 50
 """Materials that the table shows: a panel is drawn anew whenever the mouse moves over it."""
@@ -27,7 +28,7 @@ def table(layout: bpy.types.UILayout) -> None:
     for shown in found[:ROWS]:
         row(column.row(), shown)
     if len(found) > ROWS:
-        layout.label(text=f"and {len(found) - ROWS} more")
+        layout.label(text=translated(f"and {len(found) - ROWS} more"))
 
 
 def row(layout: bpy.types.UILayout, shown: bpy.types.Material) -> None:
@@ -43,20 +44,23 @@ def row(layout: bpy.types.UILayout, shown: bpy.types.Material) -> None:
             if pane
             else "its nodes are missing. Press Remove, then Apply"
         )
-        layout.label(text=f"{shown.name}: {text}", icon="MATFLUID" if pane else "ERROR")
+        line = translated(f"{shown.name}: {text}")
+        layout.label(text=line, icon="MATFLUID" if pane else "ERROR", translate=False)
         return
     estimated = managed.record.reflectance == ESTIMATED
     layout.prop(shown.skylight, "swatch", text="")
     name = "estimated" if estimated else managed.record.reflectance
-    layout.label(text=f"{shown.name}: {name}", icon="QUESTION" if estimated else "NONE")
+    line = translated(f"{shown.name}: {name}")
+    layout.label(text=line, icon="QUESTION" if estimated else "NONE", translate=False)
     result = managed.details.result
     if result is None:
         return
     errors = [result.rgb_delta_E, result.matrix_delta_E]
     text = " → ".join("?" if not math.isfinite(e) else f"{e:.1f}" for e in errors)
     if result.out_of_gamut:
-        text += ", clamped"
-    layout.label(text=f"ΔE {text}", icon="ERROR" if staleness_handlers.stale(shown) else "NONE")
+        text += translated(", clamped")
+    icon = "ERROR" if staleness_handlers.stale(shown) else "NONE"
+    layout.label(text=f"ΔE {text}", icon=icon, translate=False)
 
 
 def left(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

@@ -10,6 +10,7 @@ import bpy
 from ..choices import ENGINES, items
 from ..errors import InputError
 from . import operator, panels
+from .translation import translated
 
 RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"}
 """Options of paths that may start with ``//``."""
@@ -287,14 +288,14 @@ def _progress(layout, shown) -> None:
     running = shown.state in ("starting", "preparing", "rendering")
     row = layout.row(align=True)
     if running:
-        row.progress(factor=shown.factor, text=shown.line)
+        row.progress(factor=shown.factor, text=translated(shown.line))
         row.operator("skylight.batch_cancel", text="", icon="X")
         return
     row.operator("skylight.batch_start", icon="RENDER_ANIMATION")
     row.operator("skylight.batch_write", text="", icon="TEXT")
     if shown.state:
         icon = "CHECKMARK" if shown.state == "done" else "ERROR"
-        layout.label(text=shown.line, icon=icon)
+        layout.label(text=translated(shown.line), icon=icon)
     if shown.report:
         layout.operator("wm.path_open", text="Open Report", icon="URL").filepath = shown.report
 

@@ -8,6 +8,7 @@ from ..errors import InputError
 from . import assign, choice, give, operator, targets
 from .choose_reflectance import ENDINGS
 from .labels import told
+from .translation import translated
 
 _items: dict[str, list[tuple[str, str, str]]] = {}
 """Of each dropped file the columns to choose from: Blender keeps no copy of their text."""
@@ -49,7 +50,7 @@ class SKYLIGHT_OT_drop_reflectance(choice.Fields, operator.Thin, bpy.types.Opera
         try:
             names = tuple(self._kinds())
         except InputError as error:
-            self.report({"ERROR"}, told(error))
+            self.report({"ERROR"}, translated(told(error)))
             return {"CANCELLED"}
         if len(names) > 1 and not self.column:
             _items[self.filepath] = [(name, name, "") for name in names]

@@ -6,6 +6,7 @@ import bpy
 
 from ..errors import InputError
 from . import panel_text, targets
+from .translation import translated
 
 WIDTH = 600
 """[pixels] of the pop-up."""
@@ -27,7 +28,7 @@ class SKYLIGHT_OT_explain(bpy.types.Operator):
         try:
             self.lines = self._lines(context)
         except InputError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, translated(str(error)))
             return {"CANCELLED"}
         return context.window_manager.invoke_popup(self, width=WIDTH)
 
@@ -42,10 +43,10 @@ class SKYLIGHT_OT_explain(bpy.types.Operator):
         try:
             lines = self._lines(context)
         except InputError as error:
-            self.report({"ERROR"}, str(error))
+            self.report({"ERROR"}, translated(str(error)))
             return {"CANCELLED"}
         for line in lines:
-            self.report({"INFO"}, line)
+            self.report({"INFO"}, translated(line))
         return {"FINISHED"}
 
     def _lines(self, context) -> list[str]:

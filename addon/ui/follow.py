@@ -17,6 +17,7 @@ from ..errors import InputError
 from ..progress import Progress
 from . import last_guard
 from .labels import told
+from .translation import translated
 
 PAUSE = 0.4
 """[s] without a change before work begins: a person who drags something is not done yet."""
@@ -189,7 +190,7 @@ class SKYLIGHT_OT_stop_light(bpy.types.Operator):
         """Whether there is anything to stop; else Esc means what it always means."""
         running = _work is not None or _asked is not None
         if not running:
-            cls.poll_message_set("No light is being computed")
+            cls.poll_message_set(translated("No light is being computed"))
         return running
 
     def execute(self, context):

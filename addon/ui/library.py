@@ -8,6 +8,7 @@ import bpy
 
 from ..choices import ORDERS, items
 from . import library_state, operator, panel_text, preferences
+from .translation import translated
 
 if TYPE_CHECKING:
     from ..spectra.library import Library
@@ -150,7 +151,7 @@ class SKYLIGHT_OT_library_problems(bpy.types.Operator):
         for line in problems[:TOLD]:
             self.layout.label(text=line, translate=False)
         if len(problems) > TOLD:
-            self.layout.label(text=f"and {len(problems) - TOLD} more")
+            self.layout.label(text=translated(f"and {len(problems) - TOLD} more"))
 
     def execute(self, context):
         """Tell them to the log."""
@@ -210,8 +211,8 @@ def _about(layout, context, number: int) -> None:
     row.operator("skylight.assign_to_selected")
     layout.operator("skylight.write_assets", icon="ASSET_MANAGER")
     if found.problems:
-        text = f"{found.unused} Unusable..."
-        layout.operator("skylight.library_problems", text=text, icon="ERROR")
+        text = translated(f"{found.unused} Unusable...")
+        layout.operator("skylight.library_problems", text=text, icon="ERROR", translate=False)
 
 
 CLASSES = (

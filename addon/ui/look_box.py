@@ -10,6 +10,7 @@ from ..choices import BAKED
 from ..grouping import some
 from . import follow, staleness_handlers
 from .panel_text import paragraph
+from .translation import translated
 
 CLOSE = 0.5
 """CIEDE2000 below which nobody sees a difference side by side."""
@@ -36,7 +37,7 @@ def _comparison(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         part = (row if state != rgb_comparison.DIFFERENCE else layout).row(align=True)
         part.alert = state == shown != rgb_comparison.SPECTRAL
         pressed = state == shown
-        change = part.operator("skylight.before_after", text=text, depress=pressed)
+        change = part.operator("skylight.before_after", text=translated(text), depress=pressed)
         change.show = "AFTER" if pressed else show  # pressed again, it lets go
     row.operator("skylight.show_in_viewport", text="", icon="SHADING_RENDERED")
     if shown:
@@ -70,14 +71,14 @@ def light(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     if follow.work() is not None or follow.waiting():
         _progress(row)
     elif follow.halt():
-        row.label(text=follow.halt(), icon="ERROR")
+        row.label(text=translated(follow.halt()), icon="ERROR")
         row.operator("skylight.update", text="Go On")
     elif text := _old(context):
-        row.label(text=text, icon="ERROR")
+        row.label(text=translated(text), icon="ERROR")
         row.operator("skylight.bake")
     else:
         state = sentences[0].partition(":")[0] if sentences else "no light yet"
-        row.label(text=_capital(state), icon="LIGHT_SUN")
+        row.label(text=translated(_capital(state)), icon="LIGHT_SUN")
     header, body = layout.panel("skylight_about_light", default_closed=True)
     header.label(text="About This Light")
     for sentence in [*sentences, *follow.lines()] if body is not None else ():
@@ -92,7 +93,7 @@ def _progress(row: bpy.types.UILayout) -> None:
     else:
         left = f", {current.left:.0f} s left" if current.left >= 1.0 else ""
         done = current.progress.done
-        row.progress(factor=done, text=f"All light: {100 * done:.0f} %{left}")
+        row.progress(factor=done, text=translated(f"All light: {100 * done:.0f} %{left}"))
     row.operator("skylight.stop_light", text="", icon="CANCEL")
 
 

@@ -80,7 +80,8 @@ def _measured(layout, context, material) -> None:
             library_state.library.names[one.number],
             library_state.library.paths[one.number],
         )
-        button = column.operator("skylight.apply", text=f"{name}   ΔE {one.delta_E:.1f}")
+        text = f"{name}   ΔE {one.delta_E:.1f}"
+        button = column.operator("skylight.apply", text=text, translate=False)
         button.material, button.filepath, button.column = material.name, path, name
 
 

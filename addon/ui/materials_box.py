@@ -8,6 +8,7 @@ from .. import tags
 from ..grouping import grouped
 from . import panel_text, staleness_handlers
 from .look_box import CLOSE
+from .translation import translated
 
 ROWS = 3
 """Reasons why materials need the person."""
@@ -19,7 +20,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     column = box.column()
     column.scale_y = 1.4
     column.operator("skylight.make_spectral", icon="MATERIAL")
-    box.label(text=summary(context))
+    box.label(text=translated(summary(context)))
     _unsure(box)
     _changed(box, context)
 
@@ -31,7 +32,7 @@ def _unsure(layout: bpy.types.UILayout) -> None:
     name, change = portraits.unsure() or ("", 0.0)
     if change >= CLOSE:
         row = layout.row()
-        row.label(text=f"{name}: unsure, ΔE {change:.1f}")
+        row.label(text=translated(f"{name}: unsure, ΔE {change:.1f}"))
         row.operator("skylight.browse_library").material = name
 
 

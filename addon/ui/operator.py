@@ -15,6 +15,7 @@ from ..errors import InputError
 from ..progress import Progress, run
 from . import staleness_handlers
 from .labels import told
+from .translation import translated
 
 
 class Thin:
@@ -30,7 +31,7 @@ class Thin:
         """Whether the button can be pressed; it says why not."""
         reason = cls.disabled_reason(context)
         if reason:
-            cls.poll_message_set(reason)  # type: ignore[attr-defined]
+            cls.poll_message_set(translated(reason))  # type: ignore[attr-defined]
         return not reason
 
     @classmethod
@@ -44,11 +45,11 @@ class Thin:
             with _busy(context):
                 lines = self.run(context)
         except InputError as error:
-            self.report({"ERROR"}, told(error))  # type: ignore[attr-defined]
+            self.report({"ERROR"}, translated(told(error)))  # type: ignore[attr-defined]
             return {"CANCELLED"}
         staleness_handlers.after(context)
         for level, line in lines:
-            self.report({level}, line)  # type: ignore[attr-defined]
+            self.report({level}, translated(line))  # type: ignore[attr-defined]
         return {"FINISHED"}
 
     def run(self, context: bpy.types.Context) -> Iterable[tuple[str, str]]:
@@ -109,14 +110,15 @@ class Long(Thin):
                 return self._end(context, done.value)
             except InputError as error:  # the rooms check before they change
                 self._tidy(context)
-                self.report({"ERROR"}, told(error))  # type: ignore[attr-defined]
+                self.report({"ERROR"}, translated(told(error)))  # type: ignore[attr-defined]
                 return {"CANCELLED"}
             except Exception:
                 self._tidy(context)
                 raise
             context.window_manager.progress_update(100 * progress.done)
-            text = f"{self.doing} {progress.line}: {100 * progress.done:.0f} %. Press Esc to stop"
-            context.workspace.status_text_set(text)
+            doing, line = translated(self.doing), translated(progress.line)
+            text = f"{doing} {line}: {100 * progress.done:.0f} %. Press Esc to stop"
+            context.workspace.status_text_set(translated(text))
         return {"RUNNING_MODAL"}
 
     def cancel(self, context: bpy.types.Context) -> None:
@@ -137,7 +139,7 @@ class Long(Thin):
             lines = [("ERROR", told(error))]
         staleness_handlers.after(context)
         for level, line in lines:
-            self.report({level}, line)  # type: ignore[attr-defined]
+            self.report({level}, translated(line))  # type: ignore[attr-defined]
         return {"FINISHED"}
 
 

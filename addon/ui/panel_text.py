@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import textwrap
 from typing import Any
 
 import bpy
 
 from .. import tags
 from . import staleness_handlers
+from .text_width import wrapped
+from .translation import translated
 
-CHARACTER = 5.6
-"""Mean width of a character [pixels at scale 1]: Blender does not wrap text by itself."""
+MARGINS = 45, 70
+"""What a panel needs beside a text without and with an icon [pixels at scale 1], its tabs too."""
 
 
 def paragraph(
@@ -24,11 +25,11 @@ def paragraph(
     """A sentence over as many lines as a ``width`` [pixels] asks for; 0: the panel's."""
     width = width or (context.region.width if context.region else 600)
     scale = context.preferences.system.ui_scale or 1.0  # 0 without a window
-    margins = 45 if icon == "NONE" else 70  # the tabs' names and the icon among them
-    characters = max(20, int((width / scale - margins) / CHARACTER))
+    room = width / scale - MARGINS[icon != "NONE"]
     column = layout.column(align=True)
-    for number, line in enumerate(textwrap.wrap(text, characters)):
-        column.label(text=line, icon="BLANK1" if number and icon != "NONE" else icon)
+    for number, line in enumerate(wrapped(translated(text), max(room, 100.0))):
+        shown = "BLANK1" if number and icon != "NONE" else icon
+        column.label(text=line, icon=shown, translate=False)
 
 
 LOW, TWILIGHT = 10.0, 0.0
@@ -112,12 +113,12 @@ def material(
         pane = glass_and_metal.pane_node(shown)
         if pane is not None:
             name = glass_and_metal.pane_of(shown).name
-            layout.box().label(text=f"Glass: {name}", icon="CHECKMARK")
+            layout.box().label(text=translated(f"As glass: {name}"), icon="CHECKMARK")
         return
     box = layout.box()
     name = managed.record.reflectance
     known = name != ESTIMATED
-    box.label(text=name, icon="CHECKMARK" if known else "QUESTION")
+    box.label(text=translated(name), icon="CHECKMARK" if known else "QUESTION", translate=False)
     if why := staleness_handlers.stale(shown):
         paragraph(box, context, why, "ERROR")
     if tags.SHOWS_RGB in shown:
@@ -144,5 +145,9 @@ def view(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     fit, line = view_transform.transform_line(context.scene)
     paragraph(layout, context, line, "CHECKMARK" if fit else "INFO")
     on = tags.VIEW in context.scene
-    text = "Restore White Balance" if on else "Balance View to This Sky"
-    layout.operator("skylight.neutral_white", text=text, depress=on).on = not on
+    button = layout.operator(
+        "skylight.neutral_white",
+        text="Restore White Balance" if on else "Balance View to This Sky",
+        depress=on,
+    )
+    button.on = not on

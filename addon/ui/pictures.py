@@ -10,6 +10,7 @@ import bpy
 
 from ..errors import InputError
 from . import material_panel, panel_text, panels, preview_cache, properties, targets
+from .translation import translated
 
 ROWS = 30
 """Materials whose errors are shown as bars."""
@@ -129,16 +130,16 @@ class SKYLIGHT_PT_errors(panels.OfWorld, bpy.types.Panel):
         panel_text.paragraph(self.layout, context, text)
         for name, today, ours in rows[:ROWS]:
             split = self.layout.split(factor=0.4)
-            split.label(text=name)
+            split.label(text=name, translate=False)
             column = split.column(align=True)
             column.scale_y = 0.75
             for value in (today, ours):
                 if math.isfinite(value):
-                    column.progress(factor=value / longest, text=f"{value:.2f}")
+                    column.progress(factor=value / longest, text=f"{value:.2f}", translate=False)
                 else:
                     column.progress(factor=0.0, text="unknown")
         if len(rows) > ROWS:
-            self.layout.label(text=f"and {len(rows) - ROWS} more")
+            self.layout.label(text=translated(f"and {len(rows) - ROWS} more"))
 
 
 def _draw_sky(uid: int, theme: str) -> Any:

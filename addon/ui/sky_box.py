@@ -7,6 +7,7 @@ import bpy
 from ..errors import InputError
 from . import panel_text
 from .labels import told
+from .translation import translated
 
 
 def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
@@ -33,9 +34,9 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     if picture:
         row.template_icon(icon_value=picture, scale=2.4)
     column = row.column(align=True)
-    column.label(text=f"Sky: {seen.name}", icon="NONE" if picture else "WORLD")
+    column.label(text=translated(f"Sky: {seen.name}"), icon="NONE" if picture else "WORLD")
     line, details = panel_text.of_sky(world, seen)
-    column.label(text=line)
+    column.label(text=translated(line))
     row.operator("skylight.load_sky", text="", icon="FILEBROWSER")
     row.operator("skylight.make_sky", text="", icon="LIGHT_SUN")
     if panel_text.is_other_sky(world, seen):

@@ -10,6 +10,7 @@ from functools import partial
 import bpy
 
 from . import assign, library, library_state, preferences, preview_cache, targets
+from .translation import translated
 
 COLUMNS, ROWS = 5, 5
 WIDTH = 660
@@ -64,7 +65,7 @@ base color and name first. Press one to make the material spectral with it"""
             layout.label(text="Nothing has all these words")
         row = layout.row()
         if (more := len(numbers) - COLUMNS * ROWS) > 0:
-            row.label(text=f"{more} more: search, or choose a kind")
+            row.label(text=translated(f"{more} more: search, or choose a kind"))
         if library_state.partial and preferences.folders(context):
             row.operator("skylight.refresh_library", text="Read My Folders", icon="FILE_FOLDER")
 

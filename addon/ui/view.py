@@ -8,6 +8,7 @@ import bpy
 
 from .. import tags
 from . import operator
+from .translation import translated
 
 SHADINGS = (
     (
@@ -62,7 +63,7 @@ Blender's studio light, and Solid shading shows only each material's color under
         if context.scene.render.engine == "BLENDER_WORKBENCH":
             why = "Workbench does not show shaders: set the render engine to Eevee or Cycles"
         if why:
-            cls.poll_message_set(why)
+            cls.poll_message_set(translated(why))
         return not why
 
     def execute(self, context):

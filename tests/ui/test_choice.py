@@ -52,7 +52,7 @@ def test_glass(scene, pane):
     name, transmittance, faces = pane.name, pane.values, pane.faces
     assert (name, faces) == ("green", 2)
     assert transmittance[[0, -1]] == pytest.approx([0.8, 0.4])
-    assert "Glass: green" in drawn(panels.SKYLIGHT_PT_material).text
+    assert "As glass: green" in drawn(panels.SKYLIGHT_PT_material).text
     assert "Wall: green" in drawn(panels.SKYLIGHT_PT_all).text
     bpy.ops.skylight.update()
     bpy.ops.skylight.make_spectral()  # which leaves it glass, and makes the roof spectral
