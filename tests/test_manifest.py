@@ -48,7 +48,8 @@ def test_the_zip_holds_the_add_on_and_nothing_else(tmp_path):
     (archive,) = tmp_path.glob("*.zip")
     assert blender_ext("validate", archive).returncode == 0
     names = zipfile.ZipFile(archive).namelist()
-    assert {"__init__.py", "blender_manifest.toml", "LICENSE", "addon/ui/translations/ja_JP.po"} <= {*names}
+    needed = {"__init__.py", "blender_manifest.toml", "LICENSE", "addon/registration.py"}
+    assert {*needed, "addon/ui/translations/ja_JP.po"} <= {*names}
     wanted = re.compile(
         r"(addon|node_groups)/.*\.(csv|js|md|npz|po|py)|[A-Za-z_]+\.(md|py|toml)|LICENSE"
     )
