@@ -62,7 +62,7 @@ def choose(options: argparse.Namespace, reflectances: NDArray[np.float64]) -> Un
     from ..spectra.working_spaces import rec709_to_working
     from ..transfer.choice import choose_with
     from ..transfer.known_light import KnownLight
-    from ..transfer.matrices import transfer
+    from ..transfer.matrices import OWN, transfer
     from ..transfer.white import AUTO, estimate_white, settle_white
 
     lights, light, known, notes = None, None, None, []
@@ -89,6 +89,7 @@ def choose(options: argparse.Namespace, reflectances: NDArray[np.float64]) -> Un
         space=options.space,
         sun_elevation=elevation,
         sky_rgb=lights,
+        known=None if light is None or light.spectrum is None else light.spectrum.members,
     )
     if light is not None:
         white, note = settle_white(
@@ -110,4 +111,6 @@ def choose(options: argparse.Namespace, reflectances: NDArray[np.float64]) -> Un
         known,
         options.tolerance,
     )
+    if choice.transfer.basis == OWN:
+        notes = [*notes, "the matrices are from this sky's own spectrum"]
     return UnderSky(choice, light, lights, white, elevation, notes)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError, parameter
 from ..spectra.photometry import LUMINOUS_EFFICACY
 from ..spectra.sensitivities import observer
+from .known_spectrum import ROWS, KnownSpectrum, cell_means
 from .scattering import direction
 from .simulation import simulate
 
@@ -120,6 +121,15 @@ def picture(
 def sky_rgb(sun_elevation: float, height: int = 256, **settings: Any) -> NDArray[np.float32]:
     """Return `clear_sky` in linear Rec.709, (height, 2 height, 3), 1 for `WHITE_LUMINANCE`."""
     return clear_sky(sun_elevation, height, sensitivities=observer() * SCALE, **settings)
+
+
+def spectrum_of(sky: Sky, sun_azimuth: float = 180.0, sun_disc: bool = False) -> KnownSpectrum:
+    """Return the spectra of a simulated sky, in the units of `sky_rgb`."""
+    cells = cell_means(picture(sky, 2 * ROWS, sun_azimuth)) * SCALE
+    if not sun_disc:
+        return KnownSpectrum(cells)
+    sun = direction(np.radians(sky.sun_elevation), np.radians(90.0 - sun_azimuth))
+    return KnownSpectrum(cells, sky.direct * SCALE / np.pi, sun)
 
 
 def _add_disc(

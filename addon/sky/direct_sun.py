@@ -86,9 +86,10 @@ def restored_sun(
 ) -> SunLight:
     """Return the spectrum and energy that a sun really had.
 
-    A sun that was not clipped keeps its RGB, and the spectrum has exactly that colour. A clipped
-    one keeps its direction alone: the sky's colour tells the haze, and haze and elevation tell the
-    sun's colour and how much stronger than the clear sky's its light is.
+    A sun whose spectrum is known has that. One that was not clipped keeps its RGB, and the spectrum
+    has exactly that colour. A clipped one keeps its direction alone: the sky's colour tells the
+    haze, and haze and elevation tell the sun's colour and how much stronger than the clear sky's
+    its light is.
 
     Parameters
     ----------
@@ -105,6 +106,10 @@ def restored_sun(
     """
     S_in = observer() if S_in is None else S_in
     balance = np.ones(3) if white is None else np.asarray(white, dtype=float)
+    if light.spectrum is not None and light.spectrum.sun is not None:
+        own = light.spectrum.sun
+        line = f"the sun at {sun.elevation:.0f}° has its own spectrum"
+        return SunLight(own, S_in @ own / balance, False, line)
     seen = sun.irradiance * balance
     haze, times = _expected(sun.elevation, seen, light.faces[0] * balance, S_in)
     if clipped is None:

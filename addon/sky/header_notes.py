@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, BinaryIO
 
 from ..errors import InputError
@@ -12,6 +12,7 @@ from .declared_colours import Declared, declared
 from .exr_file import look
 from .exr_header import AGAIN, MAGIC
 from .exr_layers import shown
+from .known_spectrum import ATTRIBUTE, KnownSpectrum
 from .radiance_hdr import read_radiance_header
 
 
@@ -19,7 +20,8 @@ from .radiance_hdr import read_radiance_header
 class Said:
     """What is said: of colours, and a sentence on each other thing, empty where there is none.
 
-    ``black``: which part (0 to 1) of the panorama a cropped file leaves black.
+    ``black``: which part (0 to 1) of the panorama a cropped file leaves black; ``spectrum``: the
+    sky's spectra, where the header holds them.
     """
 
     declared: Declared
@@ -29,6 +31,7 @@ class Said:
     black: float
     white_luminance: float | None = None
     """[cd/m²] of (1, 1, 1), OpenEXR's ``whiteLuminance``; None where it is not said."""
+    spectrum: KnownSpectrum | None = None
 
 
 def said_by(header: Mapping[str, Any], place: object) -> Said:
@@ -52,7 +55,13 @@ def said_by(header: Mapping[str, Any], place: object) -> Said:
     white = header.get("whiteLuminance")
     if not isinstance(white, int | float) or not 0.0 < white < math.inf:
         white = None
-    return Said(found, layer, primaries, factors, header.get("black", 0.0), white)
+    spectrum = None
+    if isinstance(text := header.get(ATTRIBUTE), str):
+        spectrum = KnownSpectrum.from_text(text)
+        if spectrum is None:
+            told = "the spectra in its header are damaged, or of a later version: not used"
+            found = replace(found, told=(*found.told, told))
+    return Said(found, layer, primaries, factors, header.get("black", 0.0), white, spectrum)
 
 
 def read_said(file: BinaryIO, size: int, place: object) -> Said:

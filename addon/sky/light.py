@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import cache, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..spectra.sensitivities import observer
 from .hdri_checks import signs
 from .irradiance import Fit, exact_irradiance, fit_coefficients, running_sums
+from .known_spectrum import KnownSpectrum
 from .panorama import Panorama
 from .polynomial import exponents
 from .sky_classification import KINDS, Outside, outside
@@ -54,11 +56,18 @@ class SkyLight:
     """What speaks against the HDRI's numbers being light, a sentence each."""
     known_elevation: float | None = None
     """[degrees] of the sun, where the sky is a model that says it; a sun below it is known too."""
+    spectrum: KnownSpectrum | None = None
+    """The sky's own spectra in its units, where they are known; its sun's where it has a disc."""
 
     @property
     def fit(self) -> Fit:
         """The coefficients of the sky's irradiance without the sun's disc."""
         return self.fitting()
+
+    @property
+    def face_spectra(self) -> NDArray[np.float64] | None:
+        """The spectra (9, 81) of the sky's light on `FACES`; None where they are not known."""
+        return None if self.spectrum is None else self.spectrum.irradiance(FACES)
 
     @property
     def sun_share(self) -> float:
@@ -84,6 +93,8 @@ class SkyLight:
         notes = list(self.signs)
         if self.negatives:
             notes.append(f"{self.negatives} negative value(s) were set to zero")
+        if self.spectrum is not None:
+            return notes
         if self.sun_elevation() is None:
             notes.append("no sun found: daytime assumed. If the sun is low, set its elevation")
         elif self.sun is not None and self.sun.clipped:
@@ -142,13 +153,41 @@ def analyse(
     """
     sky, sun = separate_sun(panorama.rgb)
     sums = running_sums(sky)
+    faces = exact_irradiance(sums, FACES)
+    spectrum, doubt = _own_spectrum(panorama.spectrum, sun, faces, S_in)
     return SkyLight(
         name=panorama.name,
         sky=sky,
         fitting=cache(partial(fit_coefficients, sums, degree)),
         sun=sun,
-        faces=exact_irradiance(sums, FACES),
+        faces=faces,
         outside=outside(sky, sun, FACES, S_in),
         negatives=panorama.negatives,
-        signs=tuple(signs(panorama)),
+        signs=(*signs(panorama), *doubt),
+        spectrum=spectrum,
     )
+
+
+def _own_spectrum(
+    spectrum: KnownSpectrum | None,
+    sun: Sun | None,
+    faces: NDArray[np.float64],
+    S_in: NDArray[np.float64] | None,
+) -> tuple[KnownSpectrum | None, tuple[str, ...]]:
+    """Return known spectra in the panorama's units; None, and why, where it is of other light."""
+    if spectrum is None:
+        return None, ()
+    S_in = observer() if S_in is None else S_in
+    found = replace(spectrum, sun_apart=sun is not None).of(FACES, faces, S_in)
+    if found is None:
+        return None, ("its numbers are no longer those of the spectra in its header: not used",)
+    if sun is not None and found.sun is not None:
+        shown = S_in @ found.sun
+        if np.abs(shown - sun.irradiance).max() > _SUN_APART * np.abs(shown).max():
+            return replace(found, sun=None, towards=None), ()
+    return found, ()
+
+
+_SUN_APART = 0.1
+"""Part of the sun's light by which a panorama's disc may differ from the known sun, as by what
+surrounds it; a clipped one differs more."""

@@ -17,6 +17,7 @@ from .exr_header import AGAIN, MAGIC
 from .exr_writer import write_exr
 from .file_claims import check_shape, regular_size
 from .header_notes import said_by
+from .known_spectrum import KnownSpectrum
 from .radiance_hdr import read_radiance
 
 LARGEST_HALF = 65504.0
@@ -40,6 +41,8 @@ class Panorama:
     space: str = ""
     """Blender's name of the colour space whose numbers, as stored, are this sky; empty where no
     space is enough: a layer was chosen, or values were changed or filled in."""
+    spectrum: KnownSpectrum | None = None
+    """Its spectra, where they are known."""
 
 
 def read_panorama(
@@ -90,7 +93,8 @@ def read_panorama(
     as_stored = not (said.layer or said.factors or said.black or infinite)
     as_stored &= metadata.get("one_letter", True)
     space = "Non-Color" if raw else said.declared.space
-    return replace(sky, notes=tuple(notes), space=space if as_stored else "")
+    space = space if as_stored else ""
+    return replace(sky, notes=tuple(notes), space=space, spectrum=said.spectrum)
 
 
 def _convert(rgb: NDArray[np.float32], said: Declared, raw: bool) -> None:

@@ -17,7 +17,7 @@ from ..sky.irradiance import exact_irradiance, spread
 from ..sky.polynomial import evaluate_polynomial
 from ..spectra.working_spaces import LUMINANCE, XYZ_to_working
 from .known_light import KnownLight
-from .matrices import Transfer
+from .matrices import OWN, Transfer
 from .measures import delta_E
 from .prediction import FULL, TODAY, Prediction, predict
 
@@ -204,7 +204,9 @@ def lowest_degree(light: SkyLight, to_rec709: NDArray[np.float64], tolerance: fl
 
 def sky_line(choice: Choice, light: SkyLight) -> str:
     """Say in one line what the sky was modelled with, and whether the sun would be needed."""
-    text = f"sky: basis {choice.transfer.basis}, degree {light.fit.degree}"
+    basis = choice.transfer.basis
+    told = "matrices from this sky's own spectrum" if basis == OWN else f"basis {basis}"
+    text = f"sky: {told}, degree {light.fit.degree}"
     if light.sun is None:
         return f"{text}, no sun"
     needed = "needs a" if _darker(light.sun_share) > (choice.tolerance or 0.0) else "needs no"

@@ -114,9 +114,11 @@ def ground_light(
         )
         return GroundLight(choice, spectrum, coefficients, line)
     line = "light from below: the HDRI's own ground"
-    grey = _is_grey(seen, light, mapping)
+    grey = light.spectrum is None and _is_grey(seen, light, mapping)
     # Of a grey ground its light is skylight and sunlight: the sky's own basis knows that best.
     spectrum = mapping.restoration @ (seen * white) if grey else None
+    if light.spectrum is not None:
+        spectrum = np.maximum(light.spectrum.below, 0.0)
     if spectrum is None or spectrum.min() < 0.0:
         spectrum = spectrum_with_colour(lit, seen * white, mapping.S_in)
     if spectrum is None:

@@ -31,12 +31,16 @@ class KnownLight:
         (`sky.sky_classification`).
     doubt
         Why no error can be predicted, as `UNKNOWN_WHITE`; empty where it can.
+    spectra
+        Those of the lights, (k, 81) of any size, where they are known: then they are all that
+        counts.
     """
 
     colors: ArrayLike
     sun_elevation: float | None = None
     foreign: float = 0.0
     doubt: str = ""
+    spectra: NDArray[np.float64] | None = None
 
     @classmethod
     def of(
@@ -54,12 +58,14 @@ class KnownLight:
         (`white.estimate_white`); ``to_working`` (3, 3): applied to the sky's numbers, for a matrix
         of another working space than the HDRI's.
         """
-        doubt = f"it is {light.outside.verdict}" if light.outside.mostly else ""
+        spectra = light.face_spectra
+        mostly = spectra is None and light.outside.mostly
         return cls(
             light.faces if to_working is None else light.faces @ to_working.T,
             light.sun_elevation(sun_elevation),
             light.outside.foreign,
-            UNKNOWN_WHITE if white_is_doubtful else doubt,
+            UNKNOWN_WHITE if white_is_doubtful else f"it is {light.outside.verdict}" * mostly,
+            spectra,
         )
 
     @property

@@ -17,6 +17,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..choices import BASIS
 from ..errors import InputError, parameter
 from ..spectra import bases, sensitivities
 from ..spectra.working_spaces import DEFAULT_SPACE
@@ -92,6 +93,9 @@ class Transfer:
         return np.asarray(lights, dtype=float) * (1.0 if self.white is None else self.white)
 
 
+OWN = "own spectrum"
+"""The name of the basis that a sky's own spectrum is."""
+
 _TOO_LARGE = 2.0
 """Entries that no basis made of light comes near (1.1), and one made of noise soon passes."""
 
@@ -104,6 +108,7 @@ def transfer(
     space: str = DEFAULT_SPACE,
     sun_elevation: float | None = None,
     sky_rgb: ArrayLike | None = None,
+    known: NDArray[np.float64] | None = None,
 ) -> Transfer:
     """Prepare the map from reflectances to matrices.
 
@@ -123,6 +128,9 @@ def transfer(
         [degrees] of the sun over the horizon; `atmosphere` alone makes use of it.
     sky_rgb
         The sky's light as the HDRI's numbers have it, (3,) or (k, 3); so too.
+    known
+        The sky's own spectra, where they are known: `sky.known_spectrum.KnownSpectrum.members`.
+        They go before what `atmosphere` expects; other bases are taken as they are.
 
     Raises
     ------
@@ -136,6 +144,8 @@ def transfer(
     if sky_rgb is not None and white is not None:
         sky_rgb = np.asarray(sky_rgb, dtype=float) * white
     B = bases.basis(basis, S_in, sun_elevation=sun_elevation, sky_rgb=sky_rgb)
+    if known is not None and basis == BASIS:
+        B, basis = bases.fitted(B, S_in, known), OWN
     mapping = Transfer(
         S_in=S_in,
         S_out=S_out,

@@ -6,6 +6,8 @@ very three numbers that were seen, so that what is left of it is what they do no
 black: G. Wyszecki 1953). And no simulation knows every air, cloud and sun: each drawn spectrum
 gets a smooth error of its own, as large as whole kinds of sky that were left out ask for.
 
+Of a sky whose spectra are known nothing is drawn: they are the light.
+
 A method's error under all of these is then a distribution. Its mean says what to expect, its 95th
 percentile what to count on.
 """
@@ -98,19 +100,23 @@ def predict(
     to_Y = np.linalg.inv(XYZ_to_working(transfer.space))[1]
     # As it was before it was balanced, whatever the size of the white: what is drawn has 1.
     luminance = transfer.unbalanced(lights) @ (transfer.S_out @ transfer.restoration).T @ to_Y
-    lights, luminance = lights[luminance > 0], luminance[luminance > 0]
-    unknown = light.doubt or _unknown(transfer, lights, light.sun_elevation)
+    bright = luminance > 0
+    lights, luminance = lights[bright], luminance[bright]
+    unknown = light.doubt or _unknown(transfer, lights, light)
     if unknown or not len(rho):
         nothing = {name: np.full(len(rho), np.nan) for name in (TODAY, *matrices)}
         return Prediction(nothing, nothing, colour, out_of_gamut, unknown)
     lights = lights / luminance[:, None]
-    rest = _unseen(transfer, lights, light)
+    if light.spectra is None:
+        rest = _unseen(transfer, lights, light)[None]
+    else:
+        rest = _unfitted(transfer, light.spectra[bright])[:, None]
     white = lights @ transfer.to_working.T
     mean, bound = {}, {}
     for start in range(0, len(rho), _AT_ONCE):
         some = slice(start, start + _AT_ONCE)
         seen = np.einsum("mij,kj->kmi", matrices[FULL][some], lights)
-        hidden = np.einsum("il,ml,nl->nmi", transfer.S_out, rho[some], rest, optimize=True)
+        hidden = np.einsum("il,ml,knl->knmi", transfer.S_out, rho[some], rest, optimize=True)
         true = to_Lab(
             seen[:, None] + hidden / transfer.neutral, white[:, None, None], transfer.space
         )
@@ -144,9 +150,12 @@ def rgb_albedo(reflectances: ArrayLike, space: str = DEFAULT_SPACE) -> NDArray[n
     return np.asarray(reflectances) @ S.T / S.sum(axis=1)
 
 
-def _unknown(transfer: Transfer, lights: NDArray, sun_elevation: float | None) -> str:
+def _unknown(transfer: Transfer, lights: NDArray, light: KnownLight) -> str:
     if not len(lights):
         return "the sky is dark"
+    if light.spectra is not None:
+        return ""
+    sun_elevation = light.sun_elevation
     lowest = shipped().elevations.min()
     if sun_elevation is not None and sun_elevation < lowest:
         return f"the sun is below {lowest:g}°"
@@ -169,6 +178,13 @@ def _unseen(
     scale = np.hypot(_STRANGER[0], _FOREIGN * light.foreign)
     spectra = ensemble.some(np.minimum(places, len(weights) - 1)) * (1.0 + scale * _strange())
     spectra /= (spectra @ observer().T @ np.linalg.inv(XYZ_to_working(DEFAULT_SPACE))[1])[:, None]
+    return spectra - spectra @ transfer.S_in.T @ transfer.restoration.T
+
+
+def _unfitted(transfer: Transfer, spectra: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return what the basis leaves of known spectra, each of luminance 1, (k, 81)."""
+    to_Y = np.linalg.inv(XYZ_to_working(DEFAULT_SPACE))[1]
+    spectra = spectra / (spectra @ observer().T @ to_Y)[:, None]
     return spectra - spectra @ transfer.S_in.T @ transfer.restoration.T
 
 

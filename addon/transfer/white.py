@@ -123,6 +123,8 @@ def estimate_white(
     to_working = np.eye(3) if to_working is None else np.asarray(to_working)
     level = to_working @ light.faces[0]
     clear = sun is not None and sun.share > _CLEAR
+    if light.spectrum is not None:  # its numbers are those of its spectra
+        return WhiteEstimate(np.ones(3), np.eye(2), level, replace(mapping, white=None))
     known = [(level, ("shade",) if clear else ("shade", "overcast", "cloudy sky"), _SKY)]
     if sun is not None and _is_known(sun):
         known.append((to_working @ sun.irradiance, ("sun",), _SUN))

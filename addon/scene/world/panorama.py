@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from ...errors import InputError
+from ...sky.known_spectrum import KnownSpectrum
 from ...sky.light import SkyLight, analyse
 from ...sky.panorama import from_pixels
 from ...spectra.working_spaces import rec709_to_working
@@ -29,14 +30,16 @@ def light_of(world: bpy.types.World | None, sensors: np.ndarray) -> SkyLight:
     assert world is not None
     name = f'World "{world.name}"' if sky.image is None else f'image "{sky.image.name}"'
     signs = [sky.line] if sky.line else []
+    spectrum = None
     if sky.image is not None and (sky.image.is_float or not sky.image.has_data):
         pixels = pixels_of(sky.image)
         signs += sky_image.notes(sky.image)
+        spectrum = sky_image.spectrum(sky.image)
     else:
         signs += [CUT_OFF] if sky.image is not None else []
         pixels, frame = capture.bake(world, sky)
         signs += [f"the World is animated: its light is that of frame {frame}"] if frame else []
-    found = _analysed(pixels, name, sensors)
+    found = _analysed(pixels, name, sensors, spectrum)
     return replace(
         found,
         signs=(*signs, *found.signs),
@@ -52,11 +55,15 @@ def _sun_elevation(world: bpy.types.World, sky: worlds.WorldSky) -> float | None
     return sky_image.sun_elevation(sky.image) if upright else None
 
 
-def _analysed(pixels: np.ndarray, name: str, sensors: np.ndarray) -> SkyLight:
+def _analysed(
+    pixels: np.ndarray, name: str, sensors: np.ndarray, spectrum: KnownSpectrum | None
+) -> SkyLight:
     content = hashlib.blake2b(name.encode() + sensors.tobytes())
+    content.update(b"" if spectrum is None else spectrum.cells.tobytes())
     content.update(pixels.data)
     if content.digest() not in _last:
-        found = analyse(from_pixels(pixels, name), S_in=sensors)
+        panorama = replace(from_pixels(pixels, name), spectrum=spectrum)
+        found = analyse(panorama, S_in=sensors)
         _last.clear()
         _last[content.digest()] = found
     return _last[content.digest()]

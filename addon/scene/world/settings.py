@@ -63,6 +63,7 @@ class Settings:
             space=working_space.name(),
             sun_elevation=light.sun_elevation(self.sun_elevation) if light else self.sun_elevation,
             sky_rgb=None if light is None else light.faces,
+            known=None if light is None or light.spectrum is None else light.spectrum.members,
         )
 
     @property

@@ -41,9 +41,11 @@ def image_of(place: SkyPlace) -> bpy.types.Image:
     for a sun lower than skies are simulated; nothing is made then.
     """
     from ...sky.atmosphere import Atmosphere
-    from ...sky.clear_sky import WHITE_LUMINANCE, sky_rgb
-    from ...sky.simulation import LOWEST_SUN
+    from ...sky.clear_sky import SCALE, WHITE_LUMINANCE, picture, spectrum_of
+    from ...sky.known_spectrum import ATTRIBUTE
+    from ...sky.simulation import LOWEST_SUN, simulate
     from ...sky.sun_position import sun_position
+    from ...spectra.sensitivities import observer
 
     where = (place.date, place.time, place.latitude, place.longitude, place.timezone)
     elevation, azimuth = sun_position(*where)
@@ -51,15 +53,12 @@ def image_of(place: SkyPlace) -> bpy.types.Image:
         problem = f"the sun is {-elevation:.1f}° below the horizon"
         cure = f"skies are simulated down to {LOWEST_SUN:g}°: give another time"
         raise InputError(parameter("time"), problem, cure)
-    rgb = sky_rgb(
-        elevation,
-        HEIGHT,
-        sun_azimuth=azimuth + place.north,
-        sun_disc=elevation > 0.0,
-        atmosphere=Atmosphere(haze=place.haze, ozone=place.ozone, ground=place.ground),
-    )
+    air = Atmosphere(haze=place.haze, ozone=place.ozone, ground=place.ground)
+    sky, view = simulate(elevation, air), (azimuth + place.north, elevation > 0.0)
+    rgb = picture(sky, HEIGHT, *view, observer() * SCALE)
     name = f"Sky {place.date} {place.time[:5]}"
-    attributes = {"whiteLuminance": WHITE_LUMINANCE}
+    spectrum = spectrum_of(sky, *view).to_text()
+    attributes = {"whiteLuminance": WHITE_LUMINANCE, ATTRIBUTE: spectrum}
     return sky_image.simulated(name, rgb, attributes, elevation)
 
 

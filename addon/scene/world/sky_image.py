@@ -22,6 +22,7 @@ from ... import tags
 from ...errors import InputError
 from ...sky.file_claims import regular_size
 from ...sky.header_notes import Said, read_said
+from ...sky.known_spectrum import ATTRIBUTE, KnownSpectrum
 from ...sky.panorama import Panorama, write_panorama
 from ...spectra.working_spaces import DEFAULT_SPACE
 from ..blend_data import kept
@@ -73,6 +74,8 @@ def _packed(path: Path, sky: Panorama, raw: bool) -> bpy.types.Image:
     # Under a name of its own: unpacking must not overwrite the file that was read.
     said = "whiteLuminance"
     attributes = {said: sky.metadata[said]} if said in sky.metadata else {}
+    if sky.spectrum is not None:
+        attributes[ATTRIBUTE] = sky.spectrum.to_text()
     image = _in_file(f"{path.stem}.as_read.exr", sky.rgb, attributes)
     image.colorspace_settings.name = "Non-Color" if raw else DEFAULT_SPACE
     image.name = path.name
@@ -172,6 +175,12 @@ def notes(image: bpy.types.Image) -> list[str]:
         else:
             found.append(f"{said.primaries}; {LOAD}, which converts them")
     return found
+
+
+def spectrum(image: bpy.types.Image) -> KnownSpectrum | None:
+    """Return the spectra of a sky that the header of an image's file holds; None without."""
+    said = _said(image)
+    return None if said is None else said.spectrum
 
 
 def check_whole(image: bpy.types.Image) -> None:
