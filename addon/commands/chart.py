@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
+import subprocess
 import sys
+from pathlib import Path
 
 from ..errors import InputError
 from .arguments import Commands, add_unit, chosen_reflectances, folder
@@ -52,12 +54,30 @@ def add(commands: Commands) -> None:
         metavar="N",
         help="rounds of Eevee renders; 0: do not render",
     )
+    parser.add_argument(
+        "--scenes",
+        nargs="*",
+        metavar="NAME",
+        help="instead chart whole pictures of the examples' scenes: street, courtyard, sun, room, "
+        "white, dusk; default: all. Takes hours, and goes on where it was stopped",
+    )
+    parser.add_argument(
+        "--ways",
+        nargs="+",
+        metavar="PATTERN",
+        help="with --scenes: only ways to the picture whose names fit, such as 'Ours*'",
+    )
     parser.add_argument("--json", action="store_true", help="print the summary as JSON")
     parser.set_defaults(run=run)
 
 
 def run(options: argparse.Namespace) -> None:
     """Measure every method, write picture and tables, and print them."""
+    if options.scenes is not None:
+        _scenes(options)
+        return
+    if options.ways:
+        raise InputError("--ways", "chooses ways to whole pictures", "add --scenes")
     from ..evaluation.chart import ELEVATIONS, full_skies, rows
     from ..evaluation.chart_report import report_chart
     from ..evaluation.charts import new_figure
@@ -90,6 +110,17 @@ def run(options: argparse.Namespace) -> None:
         print(f"Eevee    {record['material']:34}{record['ratio']:7.3f} of Diffuse")
     for path in result["files"]:
         print(path)
+
+
+def _scenes(options: argparse.Namespace) -> None:
+    """Chart whole pictures, by the examples' program: scenes and referee are no part of ours."""
+    program = Path(__file__).resolve().parents[2] / "examples" / "scene_points.py"
+    if not program.is_file():
+        raise InputError("--scenes", "needs the examples", "run it in a clone of the repository")
+    command = [sys.executable, str(program), "--out", options.out, "--scenes", *options.scenes]
+    command += ["--ways", *options.ways] if options.ways else []
+    if code := subprocess.run(command, check=False).returncode:
+        raise InputError("--scenes", f"has ended with exit code {code}", "see the lines above")
 
 
 def _eevee(rounds: int) -> tuple[dict[str, dict[str, float]], str | None]:

@@ -1,0 +1,160 @@
+"""The chart of whole pictures, drawn: a panel for each scene, time across, error up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from .charts import new_figure, write
+from .scene_chart import TIMES, Point, front, verdict
+
+_COLOURS = {
+    "Ours in Cycles": "#15803c",
+    "Ours in Eevee": "#0f8a8a",
+    "Eevee": "#777777",
+    "Cycles RGB": "#c1272d",
+    "Cycles RGB, denoised": "#e07b39",
+    "Cycles RGB in Rec.2020": "#8a4fa3",
+    "Cycles RGB in Rec.2020, denoised": "#b48cc8",
+    "Cycles by wavelength": "#1f6fb4",
+}
+_OTHER = "#333333"
+_COLUMNS = 3
+
+
+def draw(stem: Path, some: Sequence[Point], caption: str) -> list[Path]:
+    """Draw error against the time of the first picture, and write it as PNG and SVG."""
+    scenes = list(dict.fromkeys(point.scene for point in some))
+    columns = min(_COLUMNS, len(scenes))
+    rows = -(-len(scenes) // columns)
+    figure = new_figure(5.4 * columns + 0.2, 5.2 * rows + 1.5)
+    axes = figure.subplots(rows, columns, squeeze=False)
+    for axis in axes.flat[len(scenes) :]:
+        axis.set_axis_off()
+    for axis, scene in zip(axes.flat, scenes, strict=False):
+        own = [point for point in some if point.scene == scene]
+        _panel(axis, own, "", labels=True)
+        said = "\n".join(line[0].upper() + line[1:] for line in verdict(own))
+        axis.set_title(scene, loc="left", fontsize=12, weight="bold")
+        axis.set_xlabel("Processor time until the picture is there [s]")
+        axis.text(
+            *(0.0, -0.15, _wrapped(said)),
+            transform=axis.transAxes,
+            va="top",
+            fontsize=8.5,
+            color="#444444",
+        )
+    for axis in axes[:, 0]:
+        axis.set_ylabel("Color error: mean (point), 95 of 100 pixels (line), CIEDE2000")
+    _close(figure, some, caption)
+    return write(figure, stem)
+
+
+def draw_again(stem: Path, some: Sequence[Point], caption: str) -> list[Path]:
+    """Draw error against the time of what comes after the first picture."""
+    scenes = list(dict.fromkeys(point.scene for point in some))
+    later = list(TIMES)[1:]
+    figure = new_figure(4.6 * len(later) + 0.2, 3.4 * len(scenes) + 1.5)
+    axes = figure.subplots(len(scenes), len(later), squeeze=False, sharey="row")
+    for row, scene in zip(axes, scenes, strict=True):
+        own = [point for point in some if point.scene == scene]
+        for axis, what in zip(row, later, strict=True):
+            known = [point for point in own if what in point.times]
+            if known:
+                _panel(axis, known, what, labels=False)
+            axis.set_title(f"{scene}: {TIMES[what]}", loc="left", fontsize=10)
+        row[0].set_ylabel("Mean CIEDE2000")
+    for axis in axes[-1]:
+        axis.set_xlabel("Processor time until the picture is there [s]")
+    _close(figure, some, caption)
+    return write(figure, stem)
+
+
+def _panel(axis: Any, some: Sequence[Point], what: str, labels: bool) -> None:
+    """Draw the points of one scene, their series, their front and the reference's noise."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axis.set(xscale="log", yscale="log")
+    axis.grid(True, which="major", color="#e8e8e8", linewidth=0.8)
+    axis.set_axisbelow(True)
+    axis.spines[["top", "right"]].set_visible(False)
+    for family in dict.fromkeys(point.family for point in some):
+        series = sorted(
+            (point for point in some if point.family == family), key=lambda p: p.times[what]
+        )
+        colour = _COLOURS.get(family, _OTHER)
+        for way in dict.fromkeys(point.way.split(",")[0] for point in series):
+            line = [p for p in series if p.way.split(",")[0] == way and p.label[:1].isdigit()]
+            x, y = [p.times[what] for p in line], [p.errors["mean"] for p in line]
+            axis.plot(x, y, color=colour, linewidth=0.9, alpha=0.7, zorder=2)
+        for point in series:
+            x, mean, p95 = point.times[what], point.errors["mean"], point.errors["p95"]
+            axis.plot(x, mean, "o", color=colour, markersize=5.5, zorder=3)
+            axis.plot([x, x], [mean, p95], color=colour, linewidth=0.8, alpha=0.45, zorder=2)
+            if labels and point.label:
+                axis.annotate(
+                    point.label,
+                    (x, mean),
+                    (4, 3),
+                    textcoords="offset points",
+                    fontsize=7,
+                    color=colour,
+                )
+    best = front(some, what)
+    edge = max(point.times[what] for point in some) * 1.6
+    x = [*(point.times[what] for point in best), edge]
+    y = [*(point.errors["mean"] for point in best), best[-1].errors["mean"]]
+    axis.step(x, y, where="post", color="#999999", linewidth=1.3, zorder=1)
+    noise = some[0].noise[0]
+    low = 0.7 * min(noise, min(point.errors["mean"] for point in some))
+    axis.axhspan(low, noise, color="#999999", alpha=0.18, linewidth=0)
+    axis.text(
+        0.99,
+        noise,
+        "noise of the reference",
+        transform=axis.get_yaxis_transform(),
+        ha="right",
+        va="top",
+        fontsize=7.5,
+        color="#555555",
+    )
+    axis.set_ylim(bottom=low)
+    for one in axis.xaxis, axis.yaxis:
+        one.set_major_locator(LogLocator(10.0, (1.0, 2.0, 5.0)))
+        one.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        one.set_minor_formatter(NullFormatter())
+    axis.set_xlim(right=edge)
+
+
+def _wrapped(text: str, width: int = 76) -> str:
+    import textwrap
+
+    return "\n".join(part for line in text.splitlines() for part in textwrap.wrap(line, width))
+
+
+def _close(figure: Any, some: Sequence[Point], caption: str) -> None:
+    """Say below what colours mean, and on what it was measured."""
+    from matplotlib.lines import Line2D
+
+    families = list(dict.fromkeys(point.family for point in some))
+    families.sort(key=lambda name: list(_COLOURS).index(name) if name in _COLOURS else 99)
+    handles = [
+        Line2D([], [], marker="o", linestyle="none", color=_COLOURS.get(name, _OTHER), label=name)
+        for name in families
+    ]
+    handles.append(Line2D([], [], color="#999999", label="Pareto front"))
+    figure.legend(
+        handles=handles,
+        loc="outside upper left",
+        ncols=max(1, int(figure.get_figwidth() / 2.6)),
+        frameon=False,
+        fontsize=9,
+    )
+    figure.supxlabel(
+        _wrapped(caption, int(13 * figure.get_figwidth())),
+        fontsize=8.5,
+        color="#555555",
+        x=0.012,
+        ha="left",
+    )
