@@ -29,6 +29,7 @@ from .ui import (
     make_sky,
     material_panel,
     menu,
+    meter,
     open_example,
     panels,
     pictures,
@@ -61,6 +62,7 @@ MODULES = (
     follow,
     view,
     panels,
+    meter,
     library,
     swatch_grid,
     assign,
@@ -74,7 +76,17 @@ MODULES = (
 )
 CLASSES: tuple[type, ...] = tuple(cls for module in MODULES for cls in module.CLASSES)
 
-ATTACHED = (properties, place, library, batch, menu, follow, staleness_handlers, translation)
+ATTACHED = (
+    properties,
+    place,
+    library,
+    batch,
+    meter,
+    menu,
+    follow,
+    staleness_handlers,
+    translation,
+)
 """Modules that give Blender more than classes."""
 
 _undo: list[Callable[[], Any]] = []  # what takes back each step of `register`, in its order

@@ -157,6 +157,12 @@ def light(example: Example, out: Path, size: tuple[int, int]) -> Light:
 def relight(stage: Stage, example: Example, out: Path, to: Path | None = None) -> None:
     """Make the scene spectral, and render it, by the command line alone; ``to``: into a folder."""
     to = to or out
+    make_spectral(stage, example, out, to / "skylight.blend")
+    command("render", to / "skylight.blend", "--engine", "eevee", "--out", to / "spectral.exr")
+
+
+def make_spectral(stage: Stage, example: Example, out: Path, blend: Path) -> None:
+    """Give all materials and lamps of the scene in a folder their spectra, by the command line."""
     options = [*example.options, "--sun-elevation", example.elevation]
 
     def given(option: str, file: str, spectra: dict[str, np.ndarray]) -> None:
@@ -180,8 +186,7 @@ def relight(stage: Stage, example: Example, out: Path, to: Path | None = None) -
             file = out / f"{name}.nk.csv"
             write_csv(file, dict(zip("nk", m.metal, strict=True)))
             options += ["--metal", f"{name}={file}"]
-    command("apply", out / "scene.blend", *options, "--out", to / "skylight.blend")
-    command("render", to / "skylight.blend", "--engine", "eevee", "--out", to / "spectral.exr")
+    command("apply", out / "scene.blend", *options, "--out", blend)
 
 
 def write_csv(path: Path, columns: dict[str, np.ndarray]) -> None:

@@ -161,6 +161,8 @@ class Radiosity:
         tells = np.ones(space.rows, np.float32)
         tells[space.lost] = 0.0
         table, sweeps = self._spread(sky, direct, tells)
+        if not len(self.patch):  # nothing stands there
+            return table, tells, sweeps
         bright = self.E.mean(axis=1)
         unlit = (bright <= UNLIT * bright.mean()) & (self.side < 0) | (bright <= 0.0)
         unlit &= self.enclosed
@@ -195,7 +197,7 @@ class Radiosity:
             new = first + arriving()
             change = np.abs(new - E).max(initial=0.0)
             E = new
-            if change <= ENOUGH * max(float(E.mean()), 1e-30):
+            if change <= ENOUGH * max(float(E.sum()) / max(E.size, 1), 1e-30):
                 break
         self.E = E
         table[self.row] = rho * E

@@ -108,15 +108,14 @@ def _tick() -> float | None:
             if not _begin():
                 return None
         _go_on()
-    _show()
+    if _work is None or time.monotonic() - _shown >= SHOWN:
+        show()
     return 0.01
 
 
-def _show() -> None:
+def show() -> None:
     """Draw the sidebars again, and not the pictures beside them: those may take seconds."""
     global _shown
-    if _work is not None and time.monotonic() - _shown < SHOWN:
-        return
     _shown = time.monotonic()
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:

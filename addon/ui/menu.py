@@ -6,7 +6,7 @@ STEPS = (
     ("open_example", "load_sky", "use_world", "make_sky", "make_spectral", "update", "remove_all"),
     ("choose_reflectance", "apply", "apply_selected", "apply_all", "estimate"),
     ("remove", "remove_selected"),
-    ("explain",),
+    ("explain", "measure"),
     ("assign_to_active", "assign_to_selected"),
     ("write_assignments", "read_assignments"),
     ("browse_library", "refresh_library", "library_problems", "write_assets"),

@@ -273,6 +273,16 @@ class SkylightNumbers(bpy.types.PropertyGroup):
         name="Keep Gloss",
         description="Keep the specular and metallic layers of each material over its measured base",
     )
+    level_lux: bpy.props.FloatProperty(
+        name="Lux on the Level",
+        description="Illuminance of sky and sun on the level in the open, as you have measured it. "
+        "0: what the sky's file says, or relative numbers",
+        min=0.0,
+        max=1e6,
+        precision=0,
+        get=lambda self: _level_lux(self.id_data),
+        set=lambda self, value: _keep_level_lux(self.id_data, value),
+    )
     tolerance: bpy.props.FloatProperty(
         name="Tolerance",
         description="Largest acceptable color error (CIEDE2000 ΔE). 1 is just noticeable. Each "
@@ -320,6 +330,18 @@ class SkylightNumbers(bpy.types.PropertyGroup):
         get=lambda self: _stored(self.id_data).white or (1.0, 1.0, 1.0),
         set=lambda self, value: _store(self.id_data, white=tuple(value)),
     )
+
+
+def _level_lux(world) -> float:
+    from ..scene.meter import calibration
+
+    return calibration.kept_lux(world) or 0.0
+
+
+def _keep_level_lux(world, value: float) -> None:
+    from ..scene.meter import calibration
+
+    calibration.keep_lux(world, value)
 
 
 def settings_of(world: bpy.types.World):

@@ -43,6 +43,7 @@ def test_every_property_of_data(addon):
         ("light", bpy.types.Light, "skylight"),
         ("scene", bpy.types.Scene, "skylight_batch"),
         ("scene", bpy.types.Scene, "skylight_place"),
+        ("scene", bpy.types.Scene, "skylight_meter"),
     ):
         line = next(line for line in TEXT.splitlines() if line.startswith(f"| `{owner}.{name}`"))
         for each in group.bl_rna.properties[name].fixed_type.properties:
@@ -69,6 +70,7 @@ def test_whatever_changes_the_file_can_be_undone(addon):
         "library_problems",
         "browse_library",
         "explain",
+        "measure",
         "stop_light",
         "batch_write",
         "batch_start",

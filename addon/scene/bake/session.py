@@ -267,6 +267,11 @@ def account() -> str:
     return f"{points}, noise under {max(100 * noise, 0.1):.1f} %"
 
 
+def lit_by() -> tuple[int, int]:
+    """What tells the last bake, and the light that it shows, from others; 0 before any."""
+    return (_last[0].key, hash(_last[0].light)) if _last else (0, 0)
+
+
 def is_lit_by(light: Light) -> bool:
     """Whether all that is baked shows this very light, as far as is remembered."""
     return bool(_last) and _last[0].light == light.key(_last[0].materials)
