@@ -15,11 +15,15 @@ def translated(text: str) -> str:
     Blender looks up constant labels by itself. What is composed of values, and what other rooms
     say, goes through here on its way into the window.
     """
+    language = _language()
+    return _line(language, text) if language else text
+
+
+def _language() -> str:
+    """The interface's language, where there is a catalogue of it; empty for English."""
     language = bpy.app.translations.locale
-    view = bpy.context.preferences.view
-    if language not in catalogue.LANGUAGES or not view.use_translate_interface:
-        return text
-    return _line(language, text)
+    known = language in catalogue.LANGUAGES
+    return language if known and bpy.context.preferences.view.use_translate_interface else ""
 
 
 @lru_cache(maxsize=4096)

@@ -50,6 +50,44 @@ def test_no_translation_is_longer_than_twice_the_english(known):
     assert wrong == []
 
 
+def registered():
+    """Every text that Blender's own data says of what the add-on registers, with its context."""
+    import bpy
+
+    from spectral_skylight.addon import registration
+
+    def of_properties(rna):
+        for each in rna.properties:
+            if each.identifier in ("rna_type", "name") or each.is_hidden:
+                continue
+            texts = (each.name if each.name != each.identifier else "", each.description)
+            yield from ((each.translation_context, text) for text in texts)
+            for item in getattr(each, "enum_items_static", ()):
+                yield from (
+                    (each.translation_context, text) for text in (item.name, item.description)
+                )
+
+    for name in dir(bpy.ops.skylight):
+        rna = getattr(bpy.ops.skylight, name).get_rna_type()
+        yield "Operator", rna.name
+        yield "*", rna.description
+        yield from of_properties(rna)
+    for cls in registration.CLASSES:
+        if issubclass(cls, bpy.types.PropertyGroup | bpy.types.AddonPreferences):
+            yield from of_properties(cls.bl_rna)
+        elif issubclass(cls, bpy.types.Panel | bpy.types.Menu | bpy.types.FileHandler):
+            yield "*", cls.bl_label
+
+
+@pytest.mark.blender
+def test_what_blender_knows_is_read_from_the_code_too(addon):
+    """The other way than `strings`: a text that it does not see would never be translated."""
+    found = {(context, text) for context, text in registered() if re.search("[a-z]{2}", text)}
+    assert len(found) > 300
+    missing = {m for m in found - MESSAGES.keys() if m[1] not in strings.NOT_SHOWN}
+    assert missing == set()
+
+
 LINES = {
     "8 of 11: 1 measured, 7 estimated": "8 von 11: 1 gemessen, 7 geschätzt",
     "Day, sun at 33°, good": "Tag, Sonne bei 33°, gut",
