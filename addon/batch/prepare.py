@@ -72,7 +72,7 @@ def _sky_file(study: Study, sky: StudySky) -> Path:
     """Return the file that a sky is read from; it is simulated where it is none."""
     if sky.file is not None:
         return sky.file
-    from ..sky.clear_sky import SCALE, WHITE_LUMINANCE, picture
+    from ..sky.clear_sky import SCALE, header_of, picture
     from ..sky.panorama import write_panorama
     from ..sky.simulation import simulate
     from ..spectra.sensitivities import observer
@@ -85,7 +85,7 @@ def _sky_file(study: Study, sky: StudySky) -> Path:
         light = simulate(elevation, quality=study.quality)
         shines = elevation > 0.0
         rgb = picture(light, study.sky_width // 2, azimuth, shines, observer() * SCALE)
-        write_panorama(path, rgb, {"whiteLuminance": WHITE_LUMINANCE})
+        write_panorama(path, rgb, header_of(light, azimuth, shines))
     return path
 
 

@@ -144,8 +144,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _simulate(options: argparse.Namespace, hour: Any, elevation: float, azimuth: float) -> None:
     """Simulate the sky and write it."""
-    from ..sky.clear_sky import SCALE, WHITE_LUMINANCE, picture, spectrum_of
-    from ..sky.known_spectrum import ATTRIBUTE
+    from ..sky.clear_sky import SCALE, header_of, picture
     from ..sky.panorama import write_panorama, write_spectral
     from ..sky.simulation import simulate
     from ..sky.weather import under_weather
@@ -169,9 +168,8 @@ def _simulate(options: argparse.Namespace, hour: Any, elevation: float, azimuth:
     view = options.width // 2, azimuth, options.sun_disc
     if options.out:
         attributes = {
-            "whiteLuminance": WHITE_LUMINANCE,
+            **header_of(shown, azimuth, options.sun_disc),
             "comments": f"{kind}, sun elevation {elevation:.4g}, azimuth {azimuth:.4g} degrees",
-            ATTRIBUTE: spectrum_of(shown, azimuth, options.sun_disc).to_text(),
         }
         write_panorama(options.out, picture(shown, *view, observer() * SCALE), attributes)
     if options.spectral:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError, parameter
 from ..spectra.photometry import LUMINOUS_EFFICACY
 from ..spectra.sensitivities import observer
-from .known_spectrum import ROWS, KnownSpectrum, cell_means
+from .known_spectrum import ATTRIBUTE, ROWS, KnownSpectrum, cell_means
 from .scattering import direction
 from .simulation import simulate
 
@@ -130,6 +130,12 @@ def spectrum_of(sky: Sky, sun_azimuth: float = 180.0, sun_disc: bool = False) ->
         return KnownSpectrum(cells)
     sun = direction(np.radians(sky.sun_elevation), np.radians(90.0 - sun_azimuth))
     return KnownSpectrum(cells, sky.direct * SCALE / np.pi, sun)
+
+
+def header_of(sky: Sky, sun_azimuth: float = 180.0, sun_disc: bool = False) -> dict[str, Any]:
+    """Return what the file of a sky in the manner of `sky_rgb` says of it: units and spectra."""
+    spectrum = spectrum_of(sky, sun_azimuth, sun_disc).to_text()
+    return {"whiteLuminance": WHITE_LUMINANCE, ATTRIBUTE: spectrum}
 
 
 def _add_disc(

@@ -73,16 +73,26 @@ class KnownSpectrum:
         return np.maximum(normals @ self.towards, 0.0)[:, None] * self.sun
 
     def of(
-        self, normals: NDArray[np.float64], light: NDArray[np.float64], S_in: NDArray[np.float64]
+        self,
+        normals: NDArray[np.float64],
+        light: NDArray[np.float64],
+        S_in: NDArray[np.float64],
+        rows: int,
     ) -> KnownSpectrum | None:
         """Return it in the units of a panorama that gives faces (n, 3) this light (n, 3).
 
-        ``S_in`` (3, 81): what made the panorama's numbers. None where these are of other light.
+        ``S_in`` (3, 81): what made the panorama's numbers, of ``rows`` pixels in height. None where
+        these are of other light.
         """
         own = self.irradiance(normals) @ S_in.T
         size = float((own * light).sum() / max((own**2).sum(), 1e-300))
         apart = np.abs(size * own - light).max(axis=1)
-        if not size > 0.0 or (apart > _APART * (light.max(axis=1) + 0.01 * light.max())).any():
+        allowed = _APART * (light.max(axis=1) + 0.01 * light.max())
+        if self.sun is not None and self.towards is not None and not self.sun_apart:
+            # A disc that was not found is somewhere in a pixel.
+            sees = normals @ self.towards > -np.pi / rows
+            allowed = allowed + sees * (np.pi / rows * size * float((S_in @ self.sun).max()))
+        if not size > 0.0 or (apart > allowed).any():
             return None
         sun = None if self.sun is None else size * self.sun
         return replace(self, cells=size * self.cells, sun=sun)

@@ -154,7 +154,7 @@ def analyse(
     sky, sun = separate_sun(panorama.rgb)
     sums = running_sums(sky)
     faces = exact_irradiance(sums, FACES)
-    spectrum, doubt = _own_spectrum(panorama.spectrum, sun, faces, S_in)
+    spectrum, doubt = _own_spectrum(panorama, sun, faces, S_in)
     return SkyLight(
         name=panorama.name,
         sky=sky,
@@ -169,16 +169,17 @@ def analyse(
 
 
 def _own_spectrum(
-    spectrum: KnownSpectrum | None,
+    panorama: Panorama,
     sun: Sun | None,
     faces: NDArray[np.float64],
     S_in: NDArray[np.float64] | None,
 ) -> tuple[KnownSpectrum | None, tuple[str, ...]]:
     """Return known spectra in the panorama's units; None, and why, where it is of other light."""
+    spectrum, rows = panorama.spectrum, len(panorama.rgb)
     if spectrum is None:
         return None, ()
     S_in = observer() if S_in is None else S_in
-    found = replace(spectrum, sun_apart=sun is not None).of(FACES, faces, S_in)
+    found = replace(spectrum, sun_apart=sun is not None).of(FACES, faces, S_in, rows)
     if found is None:
         return None, ("its numbers are no longer those of the spectra in its header: not used",)
     if sun is not None and found.sun is not None:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from .clear_sky import WHITE_LUMINANCE
 from .declared_colours import Declared
 from .exr_file import Decode, decode_by_openexr, read_exr
 from .exr_header import AGAIN, MAGIC
@@ -18,7 +19,9 @@ from .exr_writer import write_exr
 from .file_claims import check_shape, regular_size
 from .header_notes import said_by
 from .known_spectrum import KnownSpectrum
-from .radiance_hdr import read_radiance
+from .radiance_hdr import is_spectral, read_radiance
+from .radiance_hsr import read_hsr
+from .spectral_panorama import check_wavelengths, spectral_sky, to_grid
 
 LARGEST_HALF = 65504.0
 """What infinite light is set to, unless there is more in the same sky: half floats end here."""
@@ -68,6 +71,8 @@ def read_panorama(
             magic = file.read(16)
         if magic.startswith(MAGIC):
             rgb, metadata = read_exr(path, size, decode)
+        elif magic.startswith(b"#?") and is_spectral(path):
+            return _spectral(path, *read_hsr(path))
         elif magic.startswith(b"#?"):
             rgb, metadata = read_radiance(path)
         elif not magic:
@@ -95,6 +100,23 @@ def read_panorama(
     space = "Non-Color" if raw else said.declared.space
     space = space if as_stored else ""
     return replace(sky, notes=tuple(notes), space=space, spectrum=said.spectrum)
+
+
+def _spectral(
+    path: Path,
+    radiance: NDArray[np.float32],
+    wavelengths: NDArray[np.float64],
+    metadata: dict[str, Any],
+    notes: Sequence[str],
+) -> Panorama:
+    """Return a sky of spectra (h, w, n) [W m^-2 sr^-1 nm^-1], as the observer sees them."""
+    check_wavelengths(wavelengths, path)
+    rgb, spectrum = spectral_sky(radiance, to_grid(wavelengths), path)
+    said = {**metadata, "whiteLuminance": WHITE_LUMINANCE}
+    sky = from_pixels(rgb, str(path), said)
+    low, high = wavelengths[[0, -1]]
+    read = f"spectra at {wavelengths.size} wavelengths, {low:g} to {high:g} nm"
+    return replace(sky, notes=(read, *notes, *sky.notes), spectrum=spectrum)
 
 
 def _convert(rgb: NDArray[np.float32], said: Declared, raw: bool) -> None:

@@ -32,6 +32,9 @@ _ADVANCE = np.where(_CODE > 128, 2, _CODE + 1)
 _BANDS = 64
 _PIXELS_AT_ONCE = 1 << 17
 
+SPECTRA = "Radiance_spectra"
+"""The format of pictures of spectra, see `radiance_hsr`."""
+
 _HEADER = 1 << 16  # bytes: a longer one is none
 
 
@@ -48,7 +51,9 @@ def read_radiance(path: Path) -> tuple[NDArray[np.float32], dict[str, object]]:
         2:1, or scanlines are missing or damaged (the error names the first).
     """
     data = path.read_bytes()
-    height, width, flip_y, flip_x, header, start = _header(path, data, len(data))
+    height, width, flip_y, flip_x, header, start = parse_header(path, data)
+    _check_rgb(header, path)
+    check_size(path, (width, height), 12 * width * height, len(data))
     rgb = np.empty((height, width, 3), np.float32)
     rows = max(1, height // _BANDS, _PIXELS_AT_ONCE // width)
     packed = data[start : start + 4]
@@ -70,16 +75,33 @@ def read_radiance(path: Path) -> tuple[NDArray[np.float32], dict[str, object]]:
 
 def read_radiance_header(file: BinaryIO, size: int, place: object) -> dict[str, object]:
     """Return the header of an open file of ``size`` bytes; raises `InputError` if it is damaged."""
-    return _header(place, file.read(_HEADER), size)[4]
+    header = parse_header(place, file.read(_HEADER))[4]
+    _check_rgb(header, place)
+    return header
 
 
-def _header(
-    path: object, data: bytes, file_size: int
-) -> tuple[int, int, bool, bool, dict[str, object], int]:
-    """Return height, width, whether to flip each, the header's variables and its length."""
-    size = re.compile(rb"\n([-+])Y (\d{1,6}) ([-+])X (\d{1,6})\n").search(data, 0, _HEADER)
+def is_spectral(path: Path) -> bool:
+    """Return whether a Radiance picture says that it holds spectra."""
+    with path.open("rb") as file:
+        start = file.read(_HEADER).partition(b"\n\n")[0]
+    return re.search(rb"^FORMAT=\s*%s\s*$" % SPECTRA.encode(), start, re.MULTILINE) is not None
+
+
+def _check_rgb(header: dict[str, object], place: object) -> None:
+    if header.get("FORMAT", "32-bit_rle_rgbe") != "32-bit_rle_rgbe":
+        raise InputError(
+            place, f"holds {shown([str(header['FORMAT'])])}, not RGB", "convert it with ra_xyze -r"
+        )
+
+
+def parse_header(path: object, data: bytes) -> tuple[int, int, bool, bool, dict[str, object], int]:
+    """Return height, width, whether to flip each, the header's variables and its length.
+
+    Raises `InputError` for one that is damaged, and for a picture on its side or not 2:1.
+    """
+    size = re.compile(rb"\n([-+])Y +(\d{1,6}) +([-+])X +(\d{1,6})\n").search(data, 0, _HEADER)
     if not size:
-        sideways = re.compile(rb"\n[-+]X \d+ [-+]Y \d+\n").search(data, 0, _HEADER)
+        sideways = re.compile(rb"\n[-+]X +\d+ +[-+]Y +\d+\n").search(data, 0, _HEADER)
         problem = (
             "is stored rotated or mirrored" if sideways else "has no resolution line in its header"
         )
@@ -91,13 +113,8 @@ def _header(
             name, before = name.strip(), header.get(name.strip())
             several = before if isinstance(before, tuple) else () if before is None else (before,)
             header[name] = (*several, value.strip()) if several else value.strip()
-    if header.get("FORMAT", "32-bit_rle_rgbe") != "32-bit_rle_rgbe":
-        raise InputError(
-            path, f"holds {shown([str(header['FORMAT'])])}, not RGB", "convert it with ra_xyze -r"
-        )
     y, height, x, width = size[1], int(size[2]), size[3], int(size[4])
     check_shape(path, width, height)
-    check_size(path, (width, height), 12 * width * height, file_size)
     return height, width, y == b"+", x == b"-", header, size.end()
 
 

@@ -127,7 +127,9 @@ def study_values(scene) -> dict:
     elif chosen.cameras == "NAMED":
         cameras = [name.strip() for name in chosen.names.split(",") if name.strip()]
     if chosen.source == "FILES":
-        skies: list = _files("Skies", absolute(chosen.files), (".exr", ".hdr"), chosen.files)
+        skies: list = _files(
+            "Skies", absolute(chosen.files), (".exr", ".hdr", ".hsr"), chosen.files
+        )
     else:
         times = [time.strip() for time in chosen.times.split(",") if time.strip()]
         place = {key: getattr(chosen, key) for key in ("date", "latitude", "longitude", "timezone")}

@@ -16,7 +16,7 @@ class SKYLIGHT_OT_load_sky(operator.Thin, bpy.types.Operator):
     filepath: bpy.props.StringProperty(
         name="Sky HDRI", description="OpenEXR or Radiance, lat-long (2:1)", subtype="FILE_PATH"
     )
-    filter_glob: bpy.props.StringProperty(default="*.exr;*.hdr", options={"HIDDEN"})
+    filter_glob: bpy.props.StringProperty(default="*.exr;*.hdr;*.hsr", options={"HIDDEN"})
     display_type: operator.thumbnails()
 
     def invoke(self, context, event):

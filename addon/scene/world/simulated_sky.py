@@ -41,8 +41,7 @@ def image_of(place: SkyPlace) -> bpy.types.Image:
     for a sun lower than skies are simulated; nothing is made then.
     """
     from ...sky.atmosphere import Atmosphere
-    from ...sky.clear_sky import SCALE, WHITE_LUMINANCE, picture, spectrum_of
-    from ...sky.known_spectrum import ATTRIBUTE
+    from ...sky.clear_sky import SCALE, header_of, picture
     from ...sky.simulation import LOWEST_SUN, simulate
     from ...sky.sun_position import sun_position
     from ...spectra.sensitivities import observer
@@ -57,9 +56,7 @@ def image_of(place: SkyPlace) -> bpy.types.Image:
     sky, view = simulate(elevation, air), (azimuth + place.north, elevation > 0.0)
     rgb = picture(sky, HEIGHT, *view, observer() * SCALE)
     name = f"Sky {place.date} {place.time[:5]}"
-    spectrum = spectrum_of(sky, *view).to_text()
-    attributes = {"whiteLuminance": WHITE_LUMINANCE, ATTRIBUTE: spectrum}
-    return sky_image.simulated(name, rgb, attributes, elevation)
+    return sky_image.simulated(name, rgb, header_of(sky, *view), elevation)
 
 
 def light(scene: bpy.types.Scene, image: bpy.types.Image) -> bpy.types.World:
