@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import csv
-import io
 import json
 import re
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import InputError, parameter
 from .arguments import Commands, three
+from .outputs import output
 
 if TYPE_CHECKING:
-    from ..scene.meter.light_meter import Measured
     from ..scene.meter.places import Places
 
 
@@ -60,6 +59,15 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--border", type=float, metavar="M", help="of --grid: left out along walls; default 0.5"
     )
+    parser.add_argument(
+        "--report",
+        type=output(".html", ".csv"),
+        metavar="FILE.html",
+        help="of --grid: a page with maps, uniformity and daylight factors, and a CSV beside it",
+    )
+    parser.add_argument(
+        "--threshold", type=float, metavar="LUX", help="of --report: enough light; default 300"
+    )
     known = parser.add_mutually_exclusive_group()
     known.add_argument(
         "--lux", type=float, help="illuminance of sky and sun on the level in the open, measured"
@@ -84,6 +92,7 @@ def run(options: argparse.Namespace) -> None:
     """Measure, and print what was read."""
     from ..scene import use_cases
     from ..scene.files import blend_file
+    from ..scene.meter import room_page
     from ..scene.meter.calibration import Told
     from ..scene.world.settings import Settings, stored
     from .progress_bar import run_with_bar
@@ -95,13 +104,20 @@ def run(options: argparse.Namespace) -> None:
     if any(each is not None for each in (options.lux, options.spot, options.white_luminance)):
         told = Told(options.lux, options.spot, options.white_luminance)
     settings = stored(scene.world) or Settings()
-    found = run_with_bar(use_cases.measuring(scene, settings, places, told), "measure")
+    if options.report:
+        survey = use_cases.surveying(scene, settings, places, told, options.threshold)
+        room = run_with_bar(survey, "measure")
+        found, name = room.measured, f"{Path(options.scene).stem}: {options.grid}"
+        for path in room_page.write(Path(options.report), room, name):
+            print(path)
+    else:
+        found = run_with_bar(use_cases.measuring(scene, settings, places, told), "measure")
     if options.json:
         print(json.dumps(found.plain()))
     elif options.csv:
-        print(table(found), end="")
+        print(room_page.table(found), end="")
         print(found.calibration.line, file=sys.stderr)
-    else:
+    elif not options.report:
         print("\n".join(found.lines()))
     if inside := int(found.inside.sum()):
         print(f"WARNING: {inside} place(s) lie inside something solid", file=sys.stderr)
@@ -118,9 +134,11 @@ def _check(options: argparse.Namespace) -> None:
         if len(options.normal) not in (1, len(options.at)):
             what = f"{len(options.normal)} for {len(options.at)} places"
             raise InputError(parameter("normal"), what, "give one for all, or one for each --at")
-    for name in ("height", "spacing", "border"):
+    for name in ("height", "spacing", "border", "report"):
         if getattr(options, name) is not None and options.grid is None:
             raise InputError(parameter(name), "is of a grid", "give --grid, or leave it out")
+    if options.threshold is not None and options.report is None:
+        raise InputError(parameter("threshold"), "is of a report", "give --report too")
 
 
 def _places(options: argparse.Namespace, scene: Any) -> Places:
@@ -155,17 +173,3 @@ def _places(options: argparse.Namespace, scene: Any) -> Places:
         if not 0.0 <= value < 1e6:
             raise InputError(parameter(name), f"{value:g} m", "give 0 or more")
     return places.over(floor, height, options.spacing, border, meter)
-
-
-def table(found: Measured) -> str:
-    """Return what was measured as CSV, a row for each place."""
-    from ..transfer.readings import HEADINGS
-
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(["x", "y", "z", "normal_x", "normal_y", "normal_z", *HEADINGS])
-    for k, values in enumerate(found.readings.rows):
-        place = [*found.places.points[k], *found.places.normals[k]]
-        read = ["" if found.inside[k] or value != value else f"{value:.6g}" for value in values]
-        rows.writerow([*(f"{value:.6g}" for value in place), *read])
-    return text.getvalue()

@@ -34,10 +34,11 @@ from .lights import lighting
 from .materials import base_color, eligibility, spectral_material
 from .materials.assigned import assigned, in_file
 from .materials.record import Result
-from .meter import light_meter
+from .meter import light_meter, room
 from .meter.calibration import Told
 from .meter.light_meter import Measured
 from .meter.places import Places
+from .meter.room import Room
 from .outcome import Everything, Outcome
 from .plan import Assignments
 from .world import hdri, light_group, own_worlds, panorama, simulated_sky, sky_image
@@ -363,6 +364,18 @@ def measuring(
     """
     shining = _shining(scene, settings)
     return (yield from light_meter.measuring(scene.world, shining, places, told))
+
+
+def surveying(
+    scene: bpy.types.Scene,
+    settings: Settings,
+    places: Places,
+    told: Told | None = None,
+    threshold: float | None = None,
+) -> Generator[Progress, None, Room]:
+    """Measure a floor of the active scene, its daylight factor too; raises as `room.surveying`."""
+    shining = _shining(scene, settings)
+    return (yield from room.surveying(scene.world, shining, places, told, threshold))
 
 
 def remove(materials: Iterable[bpy.types.Material]) -> Outcome:

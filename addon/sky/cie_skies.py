@@ -103,6 +103,15 @@ def cie_luminance(
     return indicatrix(chi) * gradation(np.sin(elevation)) / zenith
 
 
+def cie_overcast(elevation: ArrayLike) -> NDArray[np.float64]:
+    """Return the luminance (...) of the CIE's overcast sky relative to its zenith's.
+
+    No. 16 of ISO 15469:2004, by which daylight factors are told: (1 + 2 sin γ) / 3, after P. Moon
+    and D. Spencer 1942. ``elevation`` [rad], (...).
+    """
+    return (1.0 + 2.0 * np.sin(np.asarray(elevation, dtype=float))) / 3.0
+
+
 def overcast_illuminance(sun_elevation: float) -> float:
     """Return the illuminance [lx] of an overcast sky on level ground, the sun at an elevation [°].
 

@@ -148,20 +148,20 @@ class Radiosity:
         return result
 
     def solve(
-        self, sky: NDArray[np.float32], direct: NDArray[np.float32]
+        self, sky: NDArray[np.float32], direct: NDArray[np.float32], leaks: bool = True
     ) -> tuple[NDArray[np.float32], NDArray[np.float32], int]:
         """Return the table (rows, 16) of light that comes from all patches and the sky, which rows
         tell anything (rows,), 1 or 0, and how many sweeps it took.
 
         ``sky`` (SKY, 16): radiance of the sphere's cells; ``direct`` (r, 16): irradiance / pi of
         what rays do not meet. A side that is enclosed and has no light is the inside of something:
-        a ray from there tells nothing of the light before it.
+        a ray from there tells nothing of the light before it. Not ``leaks``: it is just dark.
         """
         space = self.space
         tells = np.ones(space.rows, np.float32)
         tells[space.lost] = 0.0
         table, sweeps = self._spread(sky, direct, tells)
-        if not len(self.patch):  # nothing stands there
+        if not leaks or not len(self.patch):
             return table, tells, sweeps
         bright = self.E.mean(axis=1)
         unlit = (bright <= UNLIT * bright.mean()) & (self.side < 0) | (bright <= 0.0)

@@ -12,7 +12,9 @@ from spectral_skylight.addon import cli
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.scene import use_cases
+from spectral_skylight.addon.scene.bake import session
 from spectral_skylight.addon.scene.meter import places as meters
+from spectral_skylight.addon.scene.meter import room_page
 from spectral_skylight.addon.scene.meter.calibration import Told, keep_lux, kept_lux
 from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.sky.clear_sky import SCALE, WHITE_LUMINANCE, picture
@@ -24,10 +26,19 @@ from spectral_skylight.addon.spectra.photometry import quantity
 from spectral_skylight.addon.spectra.sensitivities import cmfs, observer
 from spectral_skylight.tests import faces
 from spectral_skylight.tests.buildings import shown
+from spectral_skylight.tests.transport import test_meter as closed_forms
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 
 SUN = 40.0
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarse_patches():
+    """Scenes of a few faces need no more; what is compared comes straight from the sky and sun."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(session, "PATCHES", (500, 2000))
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -167,6 +178,51 @@ def test_grids_and_eyes():
         meters.camera(bpy.context.scene, "Nobody")
 
 
+def black():
+    made = bpy.data.materials.new("Black")
+    if bpy.app.version < (5, 0, 0):
+        made.use_nodes = True
+    shader = next(n for n in made.node_tree.nodes if n.type == "BSDF_PRINCIPLED")
+    shader.inputs["Base Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    return made
+
+
+def test_a_rooms_daylight_factor_is_cie_171s(hdri, tmp_path):
+    """A black room with an opening in its roof, 5.9: whatever the scene's own sky."""
+    scene = scene_under(hdri / "unsaid.exr")
+    bpy.data.objects.remove(bpy.data.objects["Floor"])
+    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+    lamp.data.energy, lamp.location = 1e5, (2.0, 2.0, 2.9)
+    scene.collection.objects.link(lamp)
+    corners = closed_forms.room(2, (1.5, 1.5), (2.5, 2.5)).reshape(-1, 3)
+    faces_of = np.arange(len(corners)).reshape(-1, 3).tolist()
+    shown("Room", corners.tolist(), faces_of, black())
+    grid = meters.rectangle((0.0, 0.0, 4.0, 4.0), 0.0, 1.0, 1.0)
+    found = run(use_cases.surveying(scene, Settings(), grid))
+    opening = closed_forms.rectangle((1.5, 1.5), (2.5, 2.5), 2, 3.0)
+    expected = [
+        closed_forms.through(opening, at, np.array([0.0, 0.0, 1.0]), closed_forms.overcast)
+        / (7 / 9)
+        for at in grid.points
+    ]
+    np.testing.assert_allclose(found.daylight_factor, expected, rtol=0.01)
+    assert (
+        not found.measured.calibration.absolute and found.measured.readings["illuminance"].min() > 0
+    )
+    with pytest.raises(InputError, match="the sky's light is only relative"):
+        run(use_cases.surveying(scene, Settings(), grid, threshold=100.0))
+    mean, low, high, uniformity = found.figures(found.daylight_factor)
+    assert low <= mean <= high and uniformity == pytest.approx(low / mean)
+    page, table = room_page.write(tmp_path / "room.html", found, "Room <1>")
+    text = page.read_text(encoding="utf-8")
+    assert "<title>Room &lt;1&gt;</title>" in text and text.count("data:image/png") == 3
+    assert f"{100 * mean:.1f} %" in text and "relative" in text
+    rows = list(csv.DictReader(io.StringIO(table.read_text(encoding="utf-8"))))
+    assert len(rows) == 16
+    for row, factor in zip(rows, found.daylight_factor, strict=True):
+        assert float(row["daylight_factor_percent"]) == pytest.approx(100 * factor, rel=1e-4)
+
+
 def test_the_command(hdri, tmp_path, capsys):
     scene_under(hdri / "said.exr")
     file = str(tmp_path / "scene.blend")
@@ -199,6 +255,9 @@ def test_the_command(hdri, tmp_path, capsys):
         (("--grid", "Floor", "--spacing", "-1"), "--spacing: -1 m; give a number above 0"),
         (("--grid", "0,0,1,x"), "--grid: '0,0,1,x' is not four numbers"),
         (("--camera", "--height", "2"), "--height: is of a grid"),
+        (("--camera", "--report", str(tmp_path / "a.html")), "--report: is of a grid"),
+        (("--grid", "Floor", "--threshold", "5"), "--threshold: is of a report"),
+        (("--grid", "Floor", "--report", str(tmp_path / "a.txt")), "is no .html"),
     ):
         code, _, error = told(*options)
         assert code == 2 and line in error[-1], error

@@ -66,7 +66,8 @@ class LitScene:
         radiosity = self.radiosity
         radiosity.take(light.matter(self.materials))
         lamps = [lamp.seen_from(self.origin) for lamp in light.lamps]
-        table, tells, _ = radiosity.solve(light.sky, radiosity.lit_by(lamps))
+        # A meter stands where there is room: what is dark around it is a dark room.
+        table, tells, _ = radiosity.solve(light.sky, radiosity.lit_by(lamps), leaks=False)
         channels = light.channels.astype(np.float32)
         return Field(radiosity.space, table, tells, channels, lamps)
 
