@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-from .exr_header import AGAIN, COMPRESSIONS, block_places, read_header
+from .exr_header import AGAIN, COMPRESSIONS, Part, block_places, read_header
 from .exr_layers import Colours, find_colours
 from .exr_plain import is_plain, plain_names, write_plain
 from .file_claims import check_shape, check_size
@@ -83,8 +83,8 @@ def look(
     parts = read_header(file, size, place)
     colours = find_colours(parts, place)
     part = colours.part
-    left, top, right, bottom = window = _window(part.data_window, part.display_window)
-    across, down = _overlap(part.data_window, window)
+    left, top, right, bottom = window = window_of(part.data_window, part.display_window)
+    across, down = overlap(part.data_window, window)
     header = {
         **part.attributes,
         "layer": colours.layer,
@@ -120,7 +120,7 @@ def read_exr(
     if part.data_window == window:
         return pixels, header
     whole = np.zeros((height, width, 3), np.float32)
-    across, down = _overlap(part.data_window, window)
+    across, down = overlap(part.data_window, window)
     if across and down:
         x, y, _, _ = part.data_window
         there = pixels[down.start - y : down.stop - y, across.start - x : across.stop - x]
@@ -128,16 +128,17 @@ def read_exr(
     return whole, header
 
 
-def _window(
+def window_of(
     data: tuple[int, int, int, int], display: tuple[int, int, int, int]
 ) -> tuple[int, int, int, int]:
+    """Return the display window, or the data window where that alone is 2:1."""
     for left, top, right, bottom in (display, data):
         if right - left + 1 == 2 * (bottom - top + 1):
             return left, top, right, bottom
     return data
 
 
-def _overlap(
+def overlap(
     data: tuple[int, int, int, int], window: tuple[int, int, int, int]
 ) -> tuple[range, range]:
     """Return which columns and rows of a window have pixels."""
@@ -147,25 +148,11 @@ def _overlap(
     )
 
 
-def _unpacked(
-    path: Path,
-    file: BinaryIO,
-    colours: Colours,
-    places: list[tuple[int, int]],
-    decode: Decode,
-) -> NDArray[np.float32]:
-    """Return the pixels of the data window, (h, w, 3)."""
-    part = colours.part
+@contextlib.contextmanager
+def packed_unknown(path: Path, part: Part) -> Iterator[None]:
+    """Say in one `InputError` what any decoder finds wrong with a part's pixels."""
     try:
-        if is_plain(part):
-            pixels = decode(path, tuple(channel.name for channel in colours.channels))
-        else:
-            with tempfile.TemporaryDirectory(prefix="skylight-") as folder:
-                copy = Path(folder) / "plain.exr"
-                names = plain_names(part, colours.channels)
-                with copy.open("wb") as target:
-                    write_plain(file, part, places, names, target)
-                pixels = decode(copy, tuple(names[channel.name] for channel in colours.channels))
+        yield
     except (InputError, MemoryError):
         raise
     except ImportError:
@@ -178,6 +165,27 @@ def _unpacked(
             f"its pixels are damaged, or packed in a way that is not known here ({kind}: {reason})",
             f"{AGAIN}, or save it with ZIP compression",
         ) from None
+
+
+def _unpacked(
+    path: Path,
+    file: BinaryIO,
+    colours: Colours,
+    places: list[tuple[int, int]],
+    decode: Decode,
+) -> NDArray[np.float32]:
+    """Return the pixels of the data window, (h, w, 3)."""
+    part = colours.part
+    with packed_unknown(path, part):
+        if is_plain(part):
+            pixels = decode(path, tuple(channel.name for channel in colours.channels))
+        else:
+            with tempfile.TemporaryDirectory(prefix="skylight-") as folder:
+                copy = Path(folder) / "plain.exr"
+                names = plain_names(part, colours.channels)
+                with copy.open("wb") as target:
+                    write_plain(file, part, places, names, target)
+                pixels = decode(copy, tuple(names[channel.name] for channel in colours.channels))
     left, top, right, bottom = part.data_window
     if pixels.shape[:2] != (bottom - top + 1, right - left + 1):
         raise InputError(path, f"unpacks to {pixels.shape[1]} x {pixels.shape[0]} pixels", AGAIN)

@@ -14,13 +14,15 @@ from ..errors import InputError
 from .clear_sky import WHITE_LUMINANCE
 from .declared_colours import Declared
 from .exr_file import Decode, decode_by_openexr, read_exr
-from .exr_header import AGAIN, MAGIC
+from .exr_header import AGAIN, MAGIC, read_header
+from .exr_spectral import read_spectra
 from .exr_writer import write_exr
 from .file_claims import check_shape, regular_size
 from .header_notes import said_by
 from .known_spectrum import KnownSpectrum
 from .radiance_hdr import is_spectral, read_radiance
 from .radiance_hsr import read_hsr
+from .spectral_layout import find_spectra
 from .spectral_panorama import check_wavelengths, spectral_sky, to_grid
 
 LARGEST_HALF = 65504.0
@@ -51,8 +53,9 @@ class Panorama:
 def read_panorama(
     path: str | Path, raw: bool = False, decode: Decode = decode_by_openexr
 ) -> Panorama:
-    """Read a sky from an OpenEXR (``.exr``) or Radiance (``.hdr``) file, in Linear Rec.709.
+    """Read a sky from an OpenEXR (``.exr``) or Radiance (``.hdr``, ``.hsr``) file, Linear Rec.709.
 
+    Of spectra it is what the standard observer sees of them, and they come along.
     The content decides, not the ending. Other primaries that the header names are converted, and
     what it says that the channels were multiplied by (``COLORCORR``) is divided out. The numbers of
     a ``raw`` sky are a camera's, whatever primaries its header names. ``decode``: what unpacks
@@ -69,10 +72,12 @@ def read_panorama(
     try:
         with path.open("rb") as file:
             magic = file.read(16)
+        if magic.startswith(MAGIC) and (spectral := _of_exr(path, size, decode)) is not None:
+            return spectral
         if magic.startswith(MAGIC):
             rgb, metadata = read_exr(path, size, decode)
         elif magic.startswith(b"#?") and is_spectral(path):
-            return _spectral(path, *read_hsr(path))
+            return _of_hsr(path)
         elif magic.startswith(b"#?"):
             rgb, metadata = read_radiance(path)
         elif not magic:
@@ -102,18 +107,40 @@ def read_panorama(
     return replace(sky, notes=tuple(notes), space=space, spectrum=said.spectrum)
 
 
+def _of_exr(path: Path, size: int, decode: Decode) -> Panorama | None:
+    """Return the sky of an OpenEXR file of spectra, None of any other."""
+    with path.open("rb") as file:
+        layout = find_spectra(read_header(file, size, path), path)
+    if layout is None:
+        return None
+    check_wavelengths(layout.wavelengths, path)
+    samples = read_spectra(path, size, layout, decode)
+    header = dict(layout.part.attributes)
+    if layout.absolute:
+        header["whiteLuminance"] = WHITE_LUMINANCE
+    onto = to_grid(layout.wavelengths) @ layout.sharpen
+    return _spectral(path, samples, layout.wavelengths, onto, layout.notes, header)
+
+
+def _of_hsr(path: Path) -> Panorama:
+    """Return the sky of a hyperspectral picture of Radiance."""
+    radiance, wavelengths, header, notes = read_hsr(path)
+    check_wavelengths(wavelengths, path)
+    header["whiteLuminance"] = WHITE_LUMINANCE
+    return _spectral(path, radiance, wavelengths, to_grid(wavelengths), notes, header)
+
+
 def _spectral(
     path: Path,
-    radiance: NDArray[np.float32],
+    samples: NDArray[np.float32],
     wavelengths: NDArray[np.float64],
-    metadata: dict[str, Any],
+    onto: NDArray[np.float64],
     notes: Sequence[str],
+    header: Mapping[str, Any],
 ) -> Panorama:
-    """Return a sky of spectra (h, w, n) [W m^-2 sr^-1 nm^-1], as the observer sees them."""
-    check_wavelengths(wavelengths, path)
-    rgb, spectrum = spectral_sky(radiance, to_grid(wavelengths), path)
-    said = {**metadata, "whiteLuminance": WHITE_LUMINANCE}
-    sky = from_pixels(rgb, str(path), said)
+    """Return a sky of spectra (h, w, n) as the observer sees it, in Linear Rec.709."""
+    rgb, spectrum = spectral_sky(samples, onto, path)
+    sky = from_pixels(rgb, str(path), header)
     low, high = wavelengths[[0, -1]]
     read = f"spectra at {wavelengths.size} wavelengths, {low:g} to {high:g} nm"
     return replace(sky, notes=(read, *notes, *sky.notes), spectrum=spectrum)

@@ -92,7 +92,7 @@ def spectral_sky(
                 "repair them in a picture editor",
             )
     seen = (observer() * SCALE @ onto).T.astype(np.float32)
-    rgb = np.maximum(radiance @ seen, np.float32(0.0))
+    rgb = radiance @ seen
     sky, sun = separate_sun(rgb)
     found = None
     if sun is not None:

@@ -46,3 +46,23 @@ def write_hsr(path: Path, values, splits="780 588 480 380", exposure=None, size=
     ]
     path.write_bytes("\n".join(head).encode() + pixels.tobytes())
     return path
+
+
+def write_fichet(path: Path, channels, header=None, half=False, **more):
+    """Write channels (h, w) by name as OpenEXR does, with attributes of the layout."""
+    import OpenEXR
+
+    kind = np.float16 if half else np.float32
+    attributes = {"spectralLayoutVersion": "1.0", "emissiveUnits": "W.m^-2.sr^-1", **(header or {})}
+    attributes = {name: value for name, value in attributes.items() if value is not None}
+    planes = {name: np.ascontiguousarray(plane, kind) for name, plane in channels.items()}
+    OpenEXR.File({**attributes, **more}, planes).write(str(path))
+    return path
+
+
+def stokes(values, wavelengths, kind="S0", name="{:.1f}nm"):
+    """Radiance (h, w, n) as channels of the layout, by default ``S0.550,0nm``."""
+    return {
+        f"{kind}.{name.format(nm).replace('.', ',')}": values[..., k]
+        for k, nm in enumerate(wavelengths)
+    }

@@ -104,7 +104,7 @@ def test_no_beauty(tmp_path):
     luma = {"Y": noise()[..., 0].copy(), "RY": noise()[..., 1].copy(), "BY": noise()[..., 2].copy()}
     with pytest.raises(InputError, match="no channels R, G, B but BY, RY, Y"):
         read_panorama(write(path, {}, luma))
-    spectral = {f"S0.{nm},000000nm": noise()[..., 0].copy() for nm in range(400, 700, 50)}
+    spectral = {f"w{nm}nm": noise()[..., 0].copy() for nm in range(400, 700, 50)}
     with pytest.raises(InputError, match="is spectral: .*; use the sky's RGB file"):
         read_panorama(write(path, {}, spectral))
 
