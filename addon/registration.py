@@ -38,6 +38,7 @@ from .ui import (
     preview_cache,
     properties,
     remove,
+    split_view,
     staleness_handlers,
     swatch_grid,
     translation,
@@ -61,6 +62,7 @@ MODULES = (
     explain,
     follow,
     view,
+    split_view,
     panels,
     meter,
     library,
@@ -84,6 +86,7 @@ ATTACHED = (
     meter,
     menu,
     follow,
+    split_view,
     staleness_handlers,
     translation,
 )

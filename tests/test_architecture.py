@@ -51,6 +51,9 @@ MAY_IMPORT = {
 BESIDE_A_PLAN = {path.stem for path in SCRIPTS}
 """A batch's scripts find copies of our own modules beside themselves."""
 
+ON_SCREEN = {"gpu", "gpu_extras"}
+"""What draws into a view: without a window nothing of it is imported."""
+
 MODULES_OF = {
     **{name: set() for name in BASE},
     "spectra": {"numpy"},
@@ -61,7 +64,7 @@ MODULES_OF = {
     "pictures": {"numpy"},
     "node_groups": {"bpy"},
     "scene": {"bpy", "bpy_extras", "mathutils", "numpy", *BESIDE_A_PLAN},
-    "ui": {"blf", "bpy", "bpy_extras"},
+    "ui": {"blf", "bpy", "bpy_extras", *ON_SCREEN},
     "registration": {"bpy"},
     "cli": set(),
     "commands": {"numpy"},
@@ -170,8 +173,8 @@ def test_only_the_laboratory_needs_more_than_blender_has():
     assert [name for name, modules in MODULES_OF.items() if modules & LABORATORY] == ["evaluation"]
 
 
-def test_wheels_are_imported_when_first_needed():
-    wrong = [str(f) for f in ALL if f.module.split(".")[0] in WHEELS and not f.late]
+def test_wheels_and_the_screen_are_imported_when_first_needed():
+    wrong = [str(f) for f in ALL if f.module.split(".")[0] in WHEELS | ON_SCREEN and not f.late]
     assert wrong == []
 
 

@@ -20,7 +20,12 @@ _told: set[str] = set()
 
 
 def guarded(cls: type) -> type:
-    """Return a class of Blender's with its methods guarded; once is enough."""
+    """Return a class of Blender's with its methods guarded; once is enough.
+
+    Not a gizmo: its methods have other parameters.
+    """
+    if issubclass(cls, bpy.types.Gizmo):
+        return cls
     for name, wrap in _WRAPS.items():
         method = getattr(cls, name, None)
         if method is not None and not hasattr(method, "__wrapped__"):

@@ -30,6 +30,8 @@ under_sky: Any = None
 lit_by = ""
 """The `scene.under_sky.sky_key` of that sky."""
 
+_near: tuple[float, float, float] | None = None  # the color that a grid begins with
+
 partial = False
 """Whether the library's folders were left out so far."""
 
@@ -139,24 +141,33 @@ def categories(which: int) -> tuple[tuple[str, str, str], ...]:
     return (ALL, "All", "Every reflectance"), *((kind, kind, "") for kind in named)
 
 
-def found(own: Any) -> tuple[int, ...]:
-    """Return the numbers of what a grid shows for a `SkylightLibrary`: the nearest to its material
-    first, by name where it has no color."""
-    from ..scene.blend_data import working_space
+def look_near(material: bpy.types.Material | None) -> None:
+    """Let a grid begin with what is nearest to a material as it is now, however it changes then."""
     from ..scene.materials import base_color
+
+    global _near
+    _near = None if material is None else base_color.shown_colour(material)
+
+
+def found(own: Any) -> tuple[int, ...]:
+    """Return the numbers of what a grid shows for a `SkylightLibrary`: the nearest first, by name
+    where its material has no color. Patches of color checkers, which nothing is built of, are left
+    out as long as nobody asks for them."""
+    from ..scene.blend_data import working_space
 
     if library is None:
         return ()
-    material = bpy.data.materials.get(own.material)
-    color = None if material is None else base_color.known_colour(material)
-    return _found(id(library), own.search, own.category, color, own.material, working_space.name())
+    return _found(id(library), own.search, own.category, _near, own.material, working_space.name())
 
 
 @lru_cache(maxsize=32)
 def _found(which: int, search: str, category: str, color: Any, name: str, space: str) -> Any:
+    from ..spectra.formats import checkers
     from ..transfer.nearest import nearest as find
 
     wanted = {k for k in library.search(search) if category in (ALL, library.classes[k])}
+    if not search and category == ALL:
+        wanted = {k for k in wanted if not library.paths[k].startswith(checkers.PREFIX)}
     if color is None:
         order = library.order("name").tolist()
     else:

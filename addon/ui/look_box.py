@@ -8,7 +8,7 @@ import bpy
 
 from ..choices import BAKED
 from ..grouping import some
-from . import follow, staleness_handlers
+from . import follow, panel_text, split_view, staleness_handlers
 from .panel_text import paragraph
 from .translation import translated
 
@@ -28,13 +28,14 @@ def _comparison(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     from ..scene.materials import rgb_comparison
 
     shown = max((rgb_comparison.shown_by(m) for m in rgb_comparison.shown_now()), default=0)
-    row = layout.row(align=True)
+    row, below = layout.row(align=True), layout.row(align=True)
+    below.operator("skylight.split_view", depress=split_view.is_on())
     for show, text, state in (
         ("BEFORE", "RGB", rgb_comparison.RGB),
         ("AFTER", "Spectral", rgb_comparison.SPECTRAL),
         ("DIFFERENCE", "Difference × 8", rgb_comparison.DIFFERENCE),
     ):
-        part = (row if state != rgb_comparison.DIFFERENCE else layout).row(align=True)
+        part = (row if state != rgb_comparison.DIFFERENCE else below).row(align=True)
         part.alert = state == shown != rgb_comparison.SPECTRAL
         pressed = state == shown
         change = part.operator("skylight.before_after", text=translated(text), depress=pressed)
@@ -53,12 +54,19 @@ def gain(context: bpy.types.Context) -> str:
     from ..scene import portraits
 
     rows = [(rgb, name) for name, rgb, _ in portraits.expected() if math.isfinite(rgb)]
-    if not rows:
+    if not rows or panel_text.is_of_other_sky(context):
         return ""
     worst, name = max(rows)
-    if worst < CLOSE:
-        return f"RGB is close here, at most ΔE {worst:.1f}. It matters at low sun, or when measured"
-    return f"RGB is off by ΔE {sum(rgb for rgb, _ in rows) / len(rows):.1f}, {worst:.1f} on {name}"
+    if worst >= CLOSE:
+        mean = sum(rgb for rgb, _ in rows) / len(rows)
+        return f"RGB is off by ΔE {mean:.1f}, {worst:.1f} on {name}"
+    close = f"RGB is close here, at most ΔE {worst:.1f}"
+    estimated = portraits.unsure() is not None
+    if panel_text.is_low(context.scene.world):
+        return f"{close}. It matters more when measured" if estimated else close
+    if estimated:
+        return f"{close}. It matters at low sun, or when measured"
+    return f"{close}. It matters at low sun"
 
 
 def light(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

@@ -21,18 +21,18 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     column.scale_y = 1.4
     column.operator("skylight.make_spectral", icon="MATERIAL")
     box.label(text=translated(summary(context)))
-    _unsure(box)
+    _unsure(box, context)
     _changed(box, context)
 
 
-def _unsure(layout: bpy.types.UILayout) -> None:
+def _unsure(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """The material that a measurement would change most, where that is to be seen."""
     from ..scene import portraits
 
     name, change = portraits.unsure() or ("", 0.0)
-    if change >= CLOSE:
+    if change >= CLOSE and not panel_text.is_of_other_sky(context):
         row = layout.row()
-        row.label(text=translated(f"{name}: unsure, ΔE {change:.1f}"))
+        row.label(text=translated(f"ΔE {change:.1f} unsure: {name}"))
         row.operator("skylight.browse_library").material = name
 
 

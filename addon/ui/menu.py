@@ -11,7 +11,7 @@ STEPS = (
     ("write_assignments", "read_assignments"),
     ("browse_library", "refresh_library", "library_problems", "write_assets"),
     ("bake", "stop_light", "remove_bakes"),
-    ("show_in_viewport", "before_after", "view_as", "neutral_white"),
+    ("show_in_viewport", "before_after", "split_view", "view_as", "neutral_white"),
     ("batch_write", "batch_start", "batch_cancel"),
 )
 

@@ -7,6 +7,7 @@ from typing import Any
 import bpy
 
 from .. import tags
+from ..errors import InputError
 from . import staleness_handlers
 from .text_width import wrapped
 from .translation import translated
@@ -51,6 +52,15 @@ def of_sky(world: bpy.types.World, seen: Any) -> tuple[str, list[str]]:
     return f"{words}, see below" if found.notes else f"{words}, good", told
 
 
+def is_low(world: bpy.types.World | None) -> bool:
+    """Whether the sun of a World's sky is low, or under the horizon."""
+    from ..scene.world import light_group
+
+    found = light_group.record_of(world)
+    sun = found.rest.get("sun") if found is not None else None
+    return float(sun["elevation"]) < LOW if sun else False
+
+
 def _sun(sun: Any) -> str:
     """The hour that a sky's sun tells of."""
     if not sun:
@@ -67,6 +77,17 @@ def is_other_sky(world: bpy.types.World, seen: Any) -> bool:
 
     found = light_group.record_of(world)
     return found is not None and (found.image, found.space) != (seen.name, working_space.name())
+
+
+def is_of_other_sky(context: bpy.types.Context) -> bool:
+    """Whether what is predicted of materials was so under another sky than the scene's."""
+    from ..scene.world import hdri
+
+    world = context.scene.world
+    try:
+        return world is None or is_other_sky(world, hdri.sky_of(world))
+    except InputError:  # the box of the sky says what is wrong with it
+        return True
 
 
 def model(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

@@ -12,10 +12,10 @@ import bpy
 from . import assign, library, library_state, preferences, preview_cache, targets
 from .translation import translated
 
-COLUMNS, ROWS = 5, 5
+COLUMNS, ROWS = 5, 4
 WIDTH = 660
 """[pixels] of the pop-up: a cell's name has some 20 letters."""
-SCALE = 2.6
+SCALE = 3.8
 """Of a swatch, in icons."""
 
 
@@ -45,6 +45,7 @@ base color and name first. Press one to make the material spectral with it"""
         own = context.window_manager.skylight_library
         own.search, own.category = "", library_state.ALL
         own.material = self.material or getattr(targets.active(context), "name", "")
+        library_state.look_near(bpy.data.materials.get(own.material))
         draw_swatches(own)
         return {"FINISHED"}
 

@@ -84,6 +84,17 @@ def show(context: bpy.types.Context, shading: str = "AUTO", everywhere: bool = T
             setattr(view.shading, f"use_scene_{name}_render", True)
 
 
+def nothing_to_compare() -> str:
+    """Why there is no RGB × RGB to compare with; empty where there is."""
+    from ..scene.materials import spectral_material
+
+    found = spectral_material.ours()
+    if not found:
+        return "No material is spectral yet"
+    known = any(tags.COMPARISON in material for material in found)
+    return "" if known else "Made with an earlier version: press Update first"
+
+
 class SKYLIGHT_OT_before_after(operator.Thin, bpy.types.Operator):
     """Switch spectral materials between RGB × RGB, as Blender shades, and spectral colors. \
 Shaders are not compiled again"""
@@ -95,17 +106,13 @@ Shaders are not compiled again"""
 
     @classmethod
     def disabled_reason(cls, context):
-        from ..scene.materials import spectral_material
-
-        found = spectral_material.ours()
-        if not found:
-            return "No material is spectral yet"
-        known = any(tags.COMPARISON in material for material in found)
-        return "" if known else "Made with an earlier version: press Update first"
+        return nothing_to_compare()
 
     def run(self, context):
         from ..scene.materials import rgb_comparison
+        from . import split_view
 
+        split_view.off()
         wanted = self.show
         if wanted == "TOGGLE":
             wanted = "AFTER" if rgb_comparison.shown_now() else "BEFORE"

@@ -69,6 +69,7 @@ def test_whatever_changes_the_file_can_be_undone(addon):
         "show_in_viewport",
         "library_problems",
         "browse_library",
+        "split_view",
         "explain",
         "measure",
         "stop_light",

@@ -55,7 +55,7 @@ def test_what_a_measurement_would_change_most_has_its_button(scene):
     name, change = portraits.unsure()
     assert name == "Wall" and change > materials_box.CLOSE
     panel = drawn(panels.SKYLIGHT_PT_main)
-    assert f"Wall: unsure, ΔE {change:.1f}" in panel.text
+    assert f"ΔE {change:.1f} unsure: Wall" in panel.text
     assert "skylight.browse_library" in panel.operators
     bpy.ops.skylight.apply(material="Wall", filepath="building:USGS", column="Paint: Cobalt blue")
     name, change = portraits.unsure()

@@ -1,14 +1,17 @@
 """What the viewport shows: shading, RGB × RGB for comparison, and a neutral white."""
 
+import contextlib
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
 
 from spectral_skylight.addon import tags
-from spectral_skylight.addon.scene.materials import rgb_comparison
+from spectral_skylight.addon.scene.materials import rgb_comparison, spectral_material
 from spectral_skylight.addon.scene.output.render import render
 from spectral_skylight.addon.scene.world import view_transform
-from spectral_skylight.addon.ui import panels
+from spectral_skylight.addon.ui import panels, split_view
 from spectral_skylight.tests.ui.stage import drawn, material, matrix
 
 pytestmark = pytest.mark.blender
@@ -232,3 +235,33 @@ def pixels(path):
     found = np.empty(len(image.pixels), np.float32)
     image.pixels.foreach_get(found)
     return found.reshape(image.size[1], image.size[0], image.channels)[..., :3]
+
+
+class Picture:
+    """An offscreen picture that notes what the materials show while the view is drawn into it."""
+
+    def __init__(self, width, height, fails=False):
+        self.width, self.height, self.fails, self.shown = width, height, fails, []
+
+    def draw_view3d(self, *_, **__):
+        self.shown.append([rgb_comparison.shown_by(m) for m in spectral_material.ours()])
+        if self.fails:
+            raise RuntimeError("no more memory")
+
+
+@pytest.mark.parametrize("fails", [False, True])
+def test_a_split_view_shows_rgb_while_its_picture_is_drawn_and_never_else(
+    scene, monkeypatch, fails
+):
+    """Whatever becomes of the picture, the materials have the values that they had."""
+    bpy.ops.skylight.make_spectral()
+    before = inputs()
+    (space,) = (a.spaces.active for a in bpy.context.window.screen.areas if a.type == "VIEW_3D")
+    picture, region = Picture(640, 480, fails), SimpleNamespace(width=640, height=480)
+    monkeypatch.setattr(split_view, "_split", split_view.Split(1, picture=picture))
+    with pytest.raises(RuntimeError) if fails else contextlib.nullcontext():
+        split_view._take(bpy.context, region, space)
+    assert picture.shown[0] == [rgb_comparison.RGB] * 2
+    assert rgb_comparison.shown_now() == [] and inputs() == before
+    with pytest.raises(RuntimeError, match="in the sidebar of a 3D view"):
+        bpy.ops.skylight.split_view()

@@ -51,6 +51,18 @@ def _plain_colour(found: shader_rewrite.Look) -> NDArray[np.float64]:
     return np.array(found.rgb, dtype=float)
 
 
+def shown_colour(material: bpy.types.Material) -> tuple[float, float, float] | None:
+    """Return the color (3,) under D65 of what a material has, measured or not; None without one.
+
+    No pixel of a texture is looked at.
+    """
+    managed = spectral_material.managed(material)
+    if managed is None or not managed.details.values:
+        return known_colour(material)
+    red, green, blue = rgb_albedo(managed.values, working_space.name()).tolist()
+    return red, green, blue
+
+
 def known_colour(material: bpy.types.Material) -> tuple[float, float, float] | None:
     """Return the base color (3,) that a measured reflectance could take the place of.
 
