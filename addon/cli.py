@@ -36,6 +36,7 @@ COMMANDS = (
     "apply",
     "explain",
     "measure",
+    "glazing",
     "render",
     "batch",
 )

@@ -21,6 +21,7 @@ from colour.colorimetry import (
     SDS_LIGHT_SOURCES,
 )
 from colour.plotting.datasets.astm_g_173 import SD_ASTMG173_ETR
+from colour.quality import SDS_TCS
 from colour.recovery import MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019
 from numpy.typing import NDArray
 
@@ -38,6 +39,7 @@ SOURCES = {
     datasets.CHECKERS: "BabelColor's average of 30 charts, 2012; Ohta 1997; ISO 17321-1:2012; "
     "PMC: Luo 2024, DOI 10.1002/col.22940",
     datasets.BASIS_REFLECTANCES: "Mallett and Yuksel 2019, DOI 10.2312/sr.20191216",
+    datasets.TEST_COLOURS: "CIE 13.3-1995",
 }
 
 
@@ -62,6 +64,11 @@ def tables() -> Iterator[tuple[str, str, datasets.Dataset]]:
         assert all(np.array_equal(first, other) for other in others)
         values = np.stack([patch.values for patch in patches.values()], axis=1)
         yield datasets.CHECKERS, name, datasets.Dataset(first, values, tuple(patches))
+    samples = SDS_TCS
+    first, *others = (sample.wavelengths for sample in samples.values())
+    assert all(np.array_equal(first, other) for other in others)
+    values = np.stack([sample.values for sample in samples.values()], axis=1)
+    yield datasets.TEST_COLOURS, "CIE 1995", datasets.Dataset(first, values, tuple(samples))
     functions = _of(MSDS_BASIS_FUNCTIONS_sRGB_MALLETT2019, ("red", "green", "blue"))
     yield datasets.BASIS_REFLECTANCES, "Mallett 2019", functions
 

@@ -24,6 +24,7 @@ FILE = Path(__file__).with_name("datasets.npz")
 CMFS, SUNLIGHT, DAYLIGHT = "cmfs", "sunlight", "daylight"
 ILLUMINANTS, LIGHT_SOURCES = "illuminants", "light sources"
 CAMERAS, CHECKERS, BASIS_REFLECTANCES = "cameras", "checkers", "basis reflectances"
+TEST_COLOURS = "test colours"
 """The kinds of tables."""
 
 ABOUT = "about"

@@ -13,6 +13,11 @@ from functools import reduce
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..spectra.cielab import XYZ_to_Lab, delta_E_2000
+from ..spectra.colour_rendering import rendering_index
+from ..spectra.grid import WEIGHTS
+from ..spectra.illuminants import D65
+from ..spectra.sensitivities import cmfs
 from .metals import conductor
 
 INDEX = 1.52
@@ -66,6 +71,39 @@ def uncoated(transmittance: ArrayLike, cosine: ArrayLike = 1.0, index: float = I
         passed = passed + 0.5 * (1.0 - r) ** 2 * a / (1.0 - (r * a) ** 2)
         returned = returned + 0.5 * (r + (1.0 - r) ** 2 * r * a**2 / (1.0 - (r * a) ** 2))
     return Glazing(passed, returned, returned)
+
+
+def light_transmittance(transmittance: ArrayLike) -> NDArray[np.float64]:
+    """Return the part of daylight D65 that glass of a transmittance (..., 81) lets through, (...).
+
+    τ_v of EN 410:2011, 5.2: weighted with D65 and V(λ).
+    """
+    weight = D65() * cmfs()[1] * WEIGHTS
+    return np.asarray(transmittance, dtype=float) @ weight / weight.sum()
+
+
+def daylight_rendering(transmittance: ArrayLike) -> float:
+    """Return the color rendering index Ra of daylight through glass of a transmittance (81,).
+
+    EN 410:2011, 5.6: CIE 13.3 with D65 itself as the reference. NaN where none comes through.
+    """
+    tau = np.asarray(transmittance, dtype=float)
+    return rendering_index(D65() * tau, D65()) if tau.any() else float("nan")
+
+
+def colour_shift(transmittance: ArrayLike, reflectances: ArrayLike) -> NDArray[np.float64]:
+    """Return by how much glass changes the colors of reflectances (m, 81): CIEDE2000, (m,).
+
+    Behind it under D65 through the glass, in front under D65: each beside a perfect diffuser in its
+    own light, for the eye adapts to that. NaN of glass that lets nothing through.
+    """
+    XYZ = (cmfs() * WEIGHTS).T
+    through = D65() * np.asarray(transmittance, dtype=float)
+    rho = np.asarray(reflectances, dtype=float)
+    if not through.any():
+        return np.full(rho.shape[:-1], np.nan)
+    behind, before = (XYZ_to_Lab((rho * light) @ XYZ, light @ XYZ) for light in (through, D65()))
+    return delta_E_2000(behind, before)
 
 
 def panes(*glazings: Glazing) -> Glazing:
