@@ -31,7 +31,8 @@ COVER = 0.2
 """What lies so near before a place, of its cell's side, and along it, hides it: a rug, a door."""
 
 MOST = 200
-"""Sweeps: a closed room that reflects 0.96 needs so many."""
+"""Sweeps; and in a closed room as many times the light that comes first: where surfaces reflect all
+of it there is no end."""
 
 
 @dataclass
@@ -154,8 +155,9 @@ class Radiosity:
         tell anything (rows,), 1 or 0, and how many sweeps it took.
 
         ``sky`` (SKY, 16): radiance of the sphere's cells; ``direct`` (r, 16): irradiance / pi of
-        what rays do not meet. A side that is enclosed and has no light is the inside of something:
-        a ray from there tells nothing of the light before it. Not ``leaks``: it is just dark.
+        what rays do not meet. A side that is enclosed, has no light and sees none that has is the
+        inside of something: a ray from there tells nothing of the light before it. Not ``leaks``:
+        it is just dark.
         """
         space = self.space
         tells = np.ones(space.rows, np.float32)
@@ -164,7 +166,12 @@ class Radiosity:
         if not leaks or not len(self.patch):
             return table, tells, sweeps
         bright = self.E.mean(axis=1)
-        unlit = (bright <= UNLIT * bright.mean()) & (self.side < 0) | (bright <= 0.0)
+        lit = bright > UNLIT * bright.mean()
+        seen = np.zeros((space.rows, 4), np.float32)
+        seen[self.row] = lit[:, None]
+        # Few rays may miss a small lamp: who sees what has met it is in no other room than that.
+        sees_lit = gather(self.hits, seen)[:, 0] > 0.0
+        unlit = ~lit & (self.side < 0) | (bright <= 0.0) & ~sees_lit
         unlit &= self.enclosed
         if unlit.any() and not unlit.all():
             tells[self.row[unlit]] = 0.0
@@ -190,11 +197,15 @@ class Radiosity:
         E = first if near is None else near
         table[space.sky : space.lost] = 0.0
         table[:fronts] = 0.0
+        areas = np.bincount(space.cells.patch, space.cells.areas, fronts)[self.patch]
         sweep = 0
         while sweep < MOST:
             sweep += 1
             table[self.row] = rho * E
-            new = first + arriving()
+            bounced = arriving()
+            new = first + bounced
+            if sweep > 1:
+                new = first + _balanced(areas, first, E, bounced) * bounced
             change = np.abs(new - E).max(initial=0.0)
             E = new
             if change <= ENOUGH * max(float(E.sum()) / max(E.size, 1), 1e-30):
@@ -204,6 +215,16 @@ class Radiosity:
         table[:fronts] += self.emission
         table[space.sky : space.lost] = sky
         return table, sweep
+
+
+def _balanced(areas, first, E, bounced) -> NDArray[np.float32]:
+    """Return by which factor (16,) light E must be brighter all over for what arrives, at ``first``
+    and ``bounced``, to be as much as itself: of light that goes round and round a sweep more tells
+    little, its balance tells all (a Galerkin step with E as the only basis)."""
+    comes, is_there, goes_round = (areas @ light for light in (first, E, bounced))
+    lost = is_there - goes_round
+    holds = lost * MOST > is_there
+    return np.where(holds, comes / np.where(holds, lost, 1.0), 1.0).astype(np.float32)
 
 
 def _even(count: int) -> NDArray[np.float64]:

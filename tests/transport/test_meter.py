@@ -14,7 +14,7 @@ from spectral_skylight.addon.transport.cells import Cells, Surfaces
 from spectral_skylight.addon.transport.hits import Space
 from spectral_skylight.addon.transport.meter import Field
 from spectral_skylight.addon.transport.radiosity import Direct
-from spectral_skylight.tests.transport.test_radiosity import DARK, box, matter, radiosity
+from spectral_skylight.tests.transport.rooms import DARK, box, matter, radiosity
 
 RAYS = 65536
 UP = np.array([0.0, 0.0, 1.0])

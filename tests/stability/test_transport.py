@@ -1,0 +1,358 @@
+"""Light between surfaces: what breaks it.
+
+Referees are closed forms: a room whose walls shine by 1 and reflect rho has 1 / (1 - rho)
+everywhere, under an even sky of 1 nothing is brighter than 1, and what a lamp sends is taken up.
+"""
+
+import bpy
+import numpy as np
+import pytest
+
+from spectral_skylight.addon import progress
+from spectral_skylight.addon.scene.bake import geometry, scene_bake, storage
+from spectral_skylight.addon.scene.bake.light import Light
+from spectral_skylight.addon.transport.bands import COUNT
+from spectral_skylight.addon.transport.radiosity import Direct
+from spectral_skylight.node_groups import baked_light
+from spectral_skylight.tests import buildings, faces
+from spectral_skylight.tests.lanes import newest
+from spectral_skylight.tests.transport.rooms import (
+    DARK,
+    SKY,
+    WHITE,
+    ball,
+    box,
+    matter,
+    radiosity,
+    solved,
+)
+
+ASLANT = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+ASLANT *= np.sign(np.linalg.det(ASLANT))
+"""A rotation: no wall is along an axis, where float32 is kinder."""
+
+
+def square(half, z=0.0):
+    """Two triangles that look up."""
+    a, b, c, d = [(x * half, y * half, z) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    return np.array([(a, b, c), (a, c, d)], float)
+
+
+def fronts(found):
+    """Of each patch: its first triangle's kind, the middle of a cell, its normal and its area."""
+    cells = found.space.cells
+    areas = np.bincount(cells.patch, cells.areas)
+    first = cells.first
+    return cells.kind[first], cells.corners[first].mean(axis=1), cells.normals[first], areas
+
+
+def light(found):
+    """The irradiance / pi of fronts."""
+    return found.E[: found.space.cells.patches, 0]
+
+
+def escaping(found):
+    """Which part of the rays from fronts meets nothing."""
+    rows = found.hits.rows[: found.space.cells.patches]
+    return ((rows >= found.space.sky) & (rows < found.space.lost)).mean()
+
+
+def test_corners_do_not_leak(keep):
+    """200,000 rays from all over a closed room, aslant: none finds a way out between triangles."""
+    room = radiosity(box(inwards=True) @ ASLANT.T, matter([0.5]), solid=False, cells=3000)
+    assert escaping(room) == 0.0
+    solved(room, WHITE)
+    assert light(room).max() == 0.0
+    keep(
+        "a closed room in a bright sky, aslant",
+        f"none of {room.hits.rows.size:,} rays leaves it at edges or corners",
+        "nothing to do: rays start inwards of edges, and triangles are met without gaps",
+    )
+
+
+@pytest.mark.parametrize("thickness", [1e-2, 1e-6])
+def test_a_thin_wall_leaks_by_the_cells_it_stands_on(thickness, keep):
+    """A wall across a room with light in one half: rays do not pass it, but a floor cell that lies
+    on both sides has one light. It leaks less than the part of the floor in such cells."""
+    # It stands a little into floor, walls and ceiling.
+    wall = box(1.0) * [thickness, 2.2, 2.2] + [0.137, 0.0, 0.0]
+    corners = np.concatenate([box(inwards=True), wall]) @ ASLANT.T
+    leaks = []
+    for cells in (500, 2000, 8000):
+        room = radiosity(corners, matter([0.5, 0.5]), np.repeat([0, 1], 12), cells=cells, rays=64)
+        kind, middle, _, areas = fronts(room)
+        along = (middle @ ASLANT)[:, 0]
+        room.emission[: len(along)][along < -0.999] = 1.0
+        solved(room)
+        bright, dark = (kind == 0) & (along < 0.0), (kind == 0) & (along > 0.45)
+        leaks.append(light(room)[dark].mean() / light(room)[bright].mean())
+        straddling = np.sqrt(areas[bright].mean())  # of 2, as part of the floor: half
+        assert leaks[-1] < straddling / 2.0
+    assert leaks == sorted(leaks, reverse=True) and leaks[-1] < 0.01
+    said = ", ".join(f"{100 * leak:.1g}" for leak in leaks)
+    keep(
+        f"a wall {1000 * thickness:g} mm thick across a room 2 m wide, light on one side",
+        f"the dark side has {said} % of the bright side's light with 500, 2,000 and 8,000 cells",
+        "halves cells on which something stands, down to a thousandth of the scene",
+    )
+
+
+def test_coplanar_faces(keep):
+    """Two floors in one plane: both have the sky's light, and what they send is that of either."""
+    block = np.add(box(1.0), [0.0, 0.0, 2.5])
+    kinds, solid = np.repeat([0, 1, 2], [2, 2, 12]), np.arange(16) >= 4
+
+    def found(gap):
+        corners = np.concatenate([square(1.0), square(1.0, gap), block])
+        both = radiosity(corners, matter([0.2, 0.8, 0.5]), kinds, solid, cells=1000, rays=128)
+        solved(both, SKY)
+        kind, _, normal, _ = fronts(both)
+        under = (kind == 2) & (normal[:, 2] < -0.9)
+        return [light(both)[some].mean() for some in (kind == 0, kind == 1, under)]
+
+    (lower, upper, sent), (hidden, above, of_upper) = found(0.0), found(1e-4)
+    assert lower == pytest.approx(upper, rel=0.01)
+    assert upper == pytest.approx(above, rel=0.01)
+    assert hidden < 1e-3  # a face 0.1 mm below another is under it, and dark
+    assert of_upper / 4.0 < sent < of_upper
+    keep(
+        "two faces in one plane, of reflectance 0.2 and 0.8",
+        f"both have the sky's light to 1 %; they send {sent / of_upper:.2f} of what the light one "
+        "alone sends",
+        "nothing: which of the two is met is chance, as in Eevee and Cycles",
+    )
+
+
+def test_tiny_and_gigantic_scenes(keep):
+    """One room from 1 mm to 10 km, and a room of 2 m somewhere in a scene of 10 km."""
+    for size in (1e-3, 1.0, 1e4):
+        room = radiosity(size / 2.0 * box(inwards=True) @ ASLANT.T, matter([0.8], 1.0), cells=500)
+        np.testing.assert_allclose(solved(room)[: room.space.cells.patches], 5.0, rtol=2e-3)
+    leaks = {}
+    for size in (1e4, 1e5):
+        far = 0.01 * square(1.0)
+        ends = [far - size / 2.0, far + size / 2.0]
+        room = box(inwards=True) @ ASLANT.T + [0.4 * size, 0.4 * size, 0.0]
+        corners = np.concatenate([room, *ends])
+        found = radiosity(corners, matter([0.5]), solid=False, cells=600, rays=64)
+        solved(found, WHITE)
+        leaks[size] = light(found)[np.arange(len(light(found))) < len(light(found)) - 4].max()
+    assert leaks[1e4] == 0.0 < leaks[1e5] < 0.2
+    keep(
+        "scenes of 1 mm, 1 m and 10 km; a closed room 2 m wide 5.6 km off the middle of one",
+        "exact to 0.2 % and dark to the last ray; in a scene of 100 km up to "
+        f"{100 * leaks[1e5]:.2g} % of the sky comes in",
+        "rays start 2 millionths of the scene's size over a face, and positions count from its "
+        "middle",
+    )
+
+
+def test_reflectances_of_0_and_1(keep):
+    """White furnaces: 1 under an even sky whatever reflects, 1 / (1 - rho) in a closed room."""
+    boxes = [np.add(box(), [x, y, 1.0]) for x in (-2.0, 2.0) for y in (-3.0, 0.0, 3.0)]
+    street = np.concatenate([*boxes, square(9.0)])
+    for rho in (0.0, 1.0):
+        found = radiosity(street, matter([rho]), cells=1500, rays=64)
+        solved(found, WHITE)
+        seen = light(found)
+        assert seen.max() <= 1.0 + 1e-4
+        # What stands on the ground hides some of it; all else has all of the light, or a part.
+        lit = seen[seen > 1e-3]
+        assert len(lit) > 0.8 * len(seen)
+        assert not rho or lit.min() > 0.99
+    for rho, sweeps in ((0.0, 1), (0.5, 5), (0.96, 5), (0.99, 5)):
+        room = radiosity(box(inwards=True), matter([rho], 1.0), cells=300, rays=64)
+        table, _, count = room.solve(DARK, room.lit_by([]))
+        shown = table[: room.space.cells.patches]
+        np.testing.assert_allclose(shown, 1.0 / (1.0 - rho), rtol=1e-3)
+        assert count <= sweeps
+    # There is no answer: light that goes round for ever.
+    room = radiosity(box(inwards=True), matter([1.0], 1.0), cells=300, rays=64)
+    table, _, _ = room.solve(DARK, room.lit_by([]))
+    assert 100.0 < table.max() < 1000.0
+    keep(
+        "reflectances of 0 and 1 under an even sky; 0.99 in a closed room that shines",
+        "1 to 0.01 %; 1 / (1 - 0.99) to 0.1 % after 3 sweeps",
+        "scales each sweep until as much light comes as is lost; reflectance 1 in a closed room, "
+        "which has no answer, ends after 200 sweeps",
+    )
+
+
+def test_one_bright_patch_is_the_only_light(keep):
+    """On a ball's inside every place has the same light, (share of the patch) / (1 - rho): how far
+    single places are off by chance."""
+    corners, figures = ball(16)[:, ::-1], {}
+    for rays in (64, 1024):
+        found = radiosity(corners, matter([0.5]), cells=0, rays=rays)
+        areas = fronts(found)[3]
+        chosen = np.argsort(-areas)[:4]
+        found.emission[chosen] = 1.0
+        solved(found)
+        share = areas[chosen].sum() / areas.sum()
+        off = light(found) / (share / 0.5) - 1.0
+        # As many as there are rays that meet it, by Poisson: half of the light comes directly.
+        assert abs(np.average(off, weights=areas)) < 3.0 / np.sqrt(share * rays * len(areas))
+        figures[rays] = np.abs(off).mean()
+    assert figures[1024] < 0.3 * figures[64]  # the root of 16, of a pattern that is even: better
+    keep(
+        f"a bright patch of {100 * share:.1g} % of all that is seen as the only light",
+        f"in the mean right to 1 %, a place alone off by {100 * figures[64]:.0f} % with 64 rays "
+        f"and by {100 * figures[1024]:.0f} % with 1,024",
+        "points whose light a pass of rays changes cast on, up to 4,096; lamps and the sun are "
+        "not found by chance",
+    )
+
+
+def with_hole(half, z=1.0):
+    """A ceiling of a room 2 m wide with a square hole in its middle, looking down."""
+    parts = [(-1, -1, -half, 1), (half, -1, 1, 1), (-half, -1, half, -half), (-half, half, half, 1)]
+    found = []
+    for x0, y0, x1, y1 in parts:
+        a, b, c, d = (x0, y0, z), (x1, y0, z), (x1, y1, z), (x0, y1, z)
+        found += [(a, c, b), (a, d, c)]
+    return np.array(found, float)
+
+
+def test_a_sunbeam_through_a_small_hole(keep):
+    """What comes in is the hole's area, and is taken up or goes out again: energy is kept; but
+    16 rays to the sun from a cell miss a beam that is narrower than it."""
+    room = box(inwards=True)
+    walls = room[~np.all(room[..., 2] > 0.99, axis=1)]
+    sun = Direct(None, np.array([0.0, 0.0, 1.0]), np.ones(COUNT, np.float32))
+    comes = {}
+    for half in (0.3, 0.03):
+        corners = np.concatenate([walls, with_hole(half)])
+        found = radiosity(corners, matter([0.5]), solid=False, cells=2000)
+        lit = found.lit_by([sun])
+        found.solve(DARK, lit)
+        _, middle, _, areas = fronts(found)
+        inside = middle[:, 2] < 0.999
+        flux = (lit[: len(areas), 0] * areas)[inside].sum()
+        rows = found.hits.rows[: len(areas)]
+        out = ((rows >= found.space.sky) & (rows < found.space.lost)).mean(axis=1)
+        sent = 0.5 * light(found) * areas
+        kept = (sent + sent * out).sum() / flux  # half of it is taken up, half sent on
+        assert kept == pytest.approx(1.0, abs=0.02 if half == 0.3 else 0.15)
+        comes[half] = flux / (4.0 * half**2)
+    assert comes[0.3] == pytest.approx(1.0, abs=0.05)
+    assert 0.3 < comes[0.03] < 2.0
+    keep(
+        "the sun through a hole of 60 and of 6 cm in a room of 2 m, cells of 14 cm",
+        f"{comes[0.3]:.2f} and {comes[0.03]:.2f} times the light that comes in",
+        "halves cells where light changes fast, but where no ray has met a beam it is not known of",
+    )
+
+
+def test_an_emitter_in_a_niche(keep):
+    """Between black walls as much leaves a niche as its opening is seen from its bottom: the form
+    factor of opposite squares (J. Howell, A Catalog of Radiation Heat Transfer Configuration
+    Factors, C-11). Places that no ray from the emitter meets by chance are in the room all the
+    same: taken for insides of things, they once made the rest 60 times too bright."""
+    half, depth = 0.1, 0.4
+    walls = box(inwards=True)
+    walls = walls[~np.all(walls[..., 2] > 0.99, axis=1)]
+    niche = box(1.0, inwards=True) * [2 * half, 2 * half, depth] + [0, 0, 1.0 + depth / 2]
+    niche = niche[~np.all(niche[..., 2] < 1.001, axis=1)]
+    corners = np.concatenate([walls, with_hole(half), niche])
+    found = radiosity(corners, matter([0.0]), cells=3000)
+    _, middle, _, areas = fronts(found)
+    top = middle[:, 2] > 1.0 + depth - 1e-4
+    found.emission[top] = 1.0
+    solved(found)
+    taken = light(found) * areas / areas[top].sum()
+    in_room = taken[middle[:, 2] < 1.0].sum()
+    x = 2 * half / depth
+    leaves = np.log((1 + x**2) / np.sqrt(1 + 2 * x**2)) - 2 * x * np.arctan(x)
+    leaves += 2 * x * np.sqrt(1 + x**2) * np.arctan(x / np.sqrt(1 + x**2))
+    leaves *= 2 / (np.pi * x**2)
+    # 650,000 rays from the room, of which 500 come to the bottom of the niche: 5 % by chance, and
+    # twice that is allowed; 32 places on a patch tell 7 % too little of what is next to it.
+    assert in_room == pytest.approx(leaves, rel=0.1)
+    assert taken.sum() == pytest.approx(1.0, abs=0.1)
+    keep(
+        "an emitter at the bottom of a niche twice as deep as wide, black walls",
+        f"{100 * in_room:.1f} % of its power comes out, {100 * leaves:.1f} % exactly; "
+        f"{100 * taken.sum():.0f} % of it is taken up in all",
+        "rays from each patch start at 32 places on it; points in the picture have rays of their "
+        "own",
+    )
+
+
+@newest
+@pytest.mark.blender
+@pytest.mark.slow
+def test_normals_inside_out(keep):
+    """A house whose faces look inwards is no house that one may look into: what it hides and
+    sends is the same."""
+    made = []
+    for inwards in (False, True):
+        faces.empty_scene()
+        house = buildings.box("House", (0, 0, 1.001), (2, 2, 2), buildings.material())
+        buildings.ground(9, house.data.materials[0])
+        if inwards:
+            house.data.flip_normals()
+        around = geometry.gather(bpy.context.evaluated_depsgraph_get())
+        own = around.of("House")
+        assert around.solid[own].all() == (not inwards)
+        kinds = np.zeros(len(around.corners), np.int32)
+        found = radiosity(around.corners, matter([0.5]), kinds, around.solid, cells=3000, rays=64)
+        solved(found, SKY)
+        _, middle, normal, _ = fronts(found)
+        away = np.abs(middle[:, :2]).max(axis=1)
+        made.append(light(found)[(normal[:, 2] > 0.9) & (away > 1.2) & (away < 2.0)].mean())
+    right, turned = made
+    assert turned == pytest.approx(right, rel=0.01)
+    keep(
+        "a house with its normals inside out",
+        f"the ground beside it has {turned:.3f} of the sky's light, {right:.3f} with them right",
+        "takes its faces for sheets with two sides, each with its own light",
+    )
+
+
+@newest
+@pytest.mark.blender
+@pytest.mark.slow
+def test_a_moved_object_and_a_bake_of_another_version(keep):
+    faces.empty_scene()
+    made_of = buildings.material()
+    house, ground = buildings.box("House", (0, 0, 1), (2, 2, 2), made_of), None
+    ground = buildings.ground(4, made_of)
+    progress.run(scene_bake.bake(rays=16, tolerance=1.0, light=Light()))
+    assert scene_bake.stale() == []
+    before = _lit(house).mean()
+    house.location.x += 1.0
+    assert set(scene_bake.stale()) == {house, ground}
+    was = _at(ground, (1.7, 0.0))
+    progress.run(scene_bake.bake(rays=16, tolerance=1.0, light=Light()))
+    now = _at(ground, (1.7, 0.0))
+    # Where the house stands now nothing is seen of the sky; the house itself has what it had.
+    assert was > 0.4 > 0.1 > now
+    assert _lit(house).mean() == pytest.approx(before, rel=0.05)
+    keep(
+        "a house moved by half its width after the bake",
+        f"the ground under it keeps {was:.2f} of the sky's light, {now:.2f} is right",
+        "says that it and all that it may light are out of date; in Blender's window bakes again",
+    )
+    bake = storage.bake_of(house)
+    bake.data.attributes.remove(bake.data.attributes[baked_light.LIGHT])
+    assert scene_bake.stale() == [house] and not storage.is_lit(house)
+    lines = progress.run(scene_bake.relighting(Light()))
+    assert "1 bake(s) of an earlier version hold no bounced light: bake again" in lines
+    keep(
+        "a bake of an earlier version, without light",
+        "the open sky's light: as much too bright as the sky is hidden",
+        "says so and bakes it again when all light is asked for",
+    )
+
+
+def _lit(obj):
+    """The light on all corners of an object's mesh as it is shown, (c,)."""
+    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return buildings.colours(shown.data, baked_light.LIGHT)[:, 0]
+
+
+def _at(obj, place):
+    """The light at the corner that is nearest to a place."""
+    shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    at = np.array([shown.vertices[loop.vertex_index].co[:2] for loop in shown.loops])
+    return _lit(obj)[np.argmin(((at - place) ** 2).sum(axis=1))]
