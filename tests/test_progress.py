@@ -1,11 +1,12 @@
 """Long work as generators: driven to the end, as a part of other work, and ended on the way."""
 
+import threading
 import time
 
 import pytest
 
 from spectral_skylight.addon.commands.progress_bar import run_with_bar
-from spectral_skylight.addon.progress import Progress, mapped, run, timed
+from spectral_skylight.addon.progress import Progress, a_while, aside, mapped, on_main, run, timed
 
 
 class Work:
@@ -94,3 +95,74 @@ def test_a_bar_shows_it_and_goes(capsys):
 
     assert run_with_bar(slow(), "paint") == "made"
     assert "paint number 2" in capsys.readouterr().err
+
+
+AT = Progress(0.5, "aside")
+
+
+def to_its_end(work):
+    """Work between events; what it returned, and its steps."""
+    steps = []
+    while True:
+        try:
+            steps.append(a_while(work, 0.0))
+        except StopIteration as end:
+            return end.value, steps
+
+
+def test_without_a_window_nothing_goes_aside():
+    assert run(aside(AT, threading.get_ident)) == threading.get_ident()
+
+
+def test_between_events_what_takes_long_goes_aside():
+    """A window has its time meanwhile: what waits for an event goes on only if there is any."""
+    happened = threading.Event()
+
+    def work(name):
+        assert happened.wait(10)
+        return name, threading.get_ident()
+
+    going = aside(AT, work, "made")
+    first = a_while(going, 0.0)
+    assert (first.done, first.line, first.waits) == (0.5, "aside", True)
+    happened.set()
+    (name, thread), _ = to_its_end(going)
+    assert name == "made" and thread != threading.get_ident()
+
+
+def test_what_belongs_to_the_main_thread_is_asked_of_it():
+    def work():
+        return threading.get_ident(), on_main(threading.get_ident)
+
+    (own, main), _ = to_its_end(aside(AT, work))
+    assert main == threading.get_ident() != own
+    assert on_main(threading.get_ident) == main
+
+    def fails():
+        try:
+            on_main(lambda: 1 / 0)
+        except ZeroDivisionError:
+            return "heard"
+
+    assert to_its_end(aside(AT, fails))[0] == "heard"
+    with pytest.raises(ZeroDivisionError):
+        to_its_end(aside(AT, lambda: 1 / 0))
+
+
+def test_closed_it_leaves_the_work_to_end_by_itself():
+    """At once, also where that asks something; the next has its turn then."""
+    closed, ended = threading.Event(), threading.Event()
+
+    def work():
+        try:
+            assert closed.wait(10)
+            on_main(lambda: pytest.fail("nobody is there to answer"))
+        finally:
+            ended.set()
+
+    going = aside(AT, work)
+    a_while(going, 0.0)
+    going.close()
+    closed.set()
+    assert to_its_end(aside(AT, lambda: "next"))[0] == "next"
+    assert ended.wait(10)

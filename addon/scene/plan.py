@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from dataclasses import dataclass, replace
 
 import bpy
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..choices import OPEN
+from ..progress import Progress, aside, run
 from ..sky.light import SkyLight
 from ..spectra.working_spaces import rec709_to_working
 from ..transfer.assignment import Assignment
@@ -18,6 +19,7 @@ from ..transfer.unmeasured import expected_change
 from ..transfer.white import estimate_white
 from . import scene_lighting
 from .bake import sky_exposure
+from .blend_data import working_space
 from .lights.lighting import Lights
 from .materials import base_color, glass_and_metal, rgb_comparison, spectral_material
 from .materials.record import Details, Result
@@ -28,6 +30,8 @@ from .world.settings import Settings
 
 NOTICED = 0.05
 """Share of the sky whose lack on a white wall is seen: CIEDE2000 1."""
+
+CHOOSING = Progress(0.0, "models")
 
 Assignments = Mapping[bpy.types.Material, Assignment]
 
@@ -82,15 +86,22 @@ def check(given: Assignments) -> None:
 
 
 def make(world: bpy.types.World | None, given: Assignments, settings: Settings) -> Plan:
+    """Plan what materials will show, as `making` does."""
+    return run(making(world, given, settings))
+
+
+def making(
+    world: bpy.types.World | None, given: Assignments, settings: Settings
+) -> Generator[Progress, None, Plan]:
     """Plan what materials will show under a World's sky; no data-block changes.
 
     Raises InputError as `check`, `panorama.light_of` and `Settings.transfer` do.
     """
     check(given)
     surfaces = {material: one for material, one in given.items() if not one.faces}
-    light = panorama.light_of(world, settings.sensors)
+    light = yield from panorama.analyzing(world, settings.sensors)
     assert world is not None  # else it had raised
-    light, choice = choose(light, surfaces, settings)
+    light, choice = yield from choosing(light, surfaces, settings)
     model = sky_line(choice, light)
     hidden = None
     wanted = settings.tolerance is not None or settings.shadows == OPEN
@@ -99,11 +110,19 @@ def make(world: bpy.types.World | None, given: Assignments, settings: Settings) 
     if settings.tolerance is not None and hidden is not None:
         model += f"; {visibility_line(hidden, settings.tolerance)}"
     reflectances = {material: one.values for material, one in surfaces.items()}
-    lights = scene_lighting.find(world, light, choice.transfer, settings, reflectances)
+    lights = yield from scene_lighting.finding(
+        world, light, choice.transfer, settings, reflectances
+    )
     towards_sun = scene_lighting.towards_sun(world, light, settings)
     values = _stacked(surfaces)
-    reflected = lights.reflected(values)
-    measuring = _measuring(choice, light, values)
+    reflected = yield from aside(CHOOSING, lights.reflected, values)
+    measuring = yield from aside(CHOOSING, _measuring, choice, light, values)
+    materials = []
+    for k, (material, one) in enumerate(surfaces.items()):
+        materials.append(
+            _material(material, one, choice, lights, settings, k, reflected, measuring[k])
+        )
+        yield CHOOSING
     return Plan(
         world,
         settings,
@@ -111,10 +130,7 @@ def make(world: bpy.types.World | None, given: Assignments, settings: Settings) 
         choice,
         lights,
         towards_sun,
-        tuple(
-            _material(material, one, choice, lights, settings, k, reflected, measuring[k])
-            for k, (material, one) in enumerate(surfaces.items())
-        ),
+        tuple(materials),
         {material: one for material, one in given.items() if one.faces},
         LightRecord.of(
             light.report(),
@@ -129,16 +145,26 @@ def make(world: bpy.types.World | None, given: Assignments, settings: Settings) 
     )
 
 
-def choose(light: SkyLight, surfaces: Assignments, settings: Settings) -> tuple[SkyLight, Choice]:
-    """Return the sky in the lowest degree that keeps to the tolerance, and the models of surfaces.
+def choosing(
+    light: SkyLight, surfaces: Assignments, settings: Settings
+) -> Generator[Progress, None, tuple[SkyLight, Choice]]:
+    """Find the sky in the lowest degree that keeps to the tolerance, and the models of surfaces.
 
     Raises InputError as `Settings.transfer` does.
     """
+    space = working_space.name()
+    return (yield from aside(CHOOSING, _chosen, light, _stacked(surfaces), settings, space))
+
+
+def _chosen(
+    light: SkyLight, reflectances: NDArray[np.float64], settings: Settings, space: str
+) -> tuple[SkyLight, Choice]:
     balance = ""
     if settings.white is None:
-        balance = estimate_white(light, settings.transfer(light), settings.sun_elevation).line
+        transfer = settings.transfer(light, space=space)
+        balance = estimate_white(light, transfer, settings.sun_elevation).line
         light = replace(light, signs=(*light.signs, balance)) if balance else light
-    choice = settings.choose(light, _stacked(surfaces), white_is_doubtful=bool(balance))
+    choice = settings.choose(light, reflectances, white_is_doubtful=bool(balance), space=space)
     if settings.tolerance is not None:
         to_rec709 = np.linalg.inv(rec709_to_working(choice.transfer.space))
         to_rec709 = to_rec709 @ choice.transfer.to_working

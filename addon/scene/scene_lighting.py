@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
+from functools import partial
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from ..choices import BAKED, DOME
+from ..progress import Progress, aside
 from ..sky.light import SkyLight
 from ..transfer.matrices import Transfer
 from ..transfer.white import AUTO
@@ -19,14 +21,14 @@ from .world import hdri as worlds
 from .world.settings import Settings
 
 
-def find(
+def finding(
     world: bpy.types.World,
     light: SkyLight,
     transfer: Transfer,
     settings: Settings,
     reflectances: Mapping[bpy.types.Material, NDArray[np.float64]],
-) -> lighting.Lights:
-    """Return the lights of a World for materials with these reflectances and those it has.
+) -> Generator[Progress, None, lighting.Lights]:
+    """Find the lights of a World for materials with these reflectances and those it has.
 
     The ground is chosen by what stands in the World's scene. Raises InputError as `lighting.find`.
     """
@@ -38,14 +40,14 @@ def find(
             if managed is not None and managed.details.values:
                 known[material] = managed.values
     rho = np.array(list(known.values())).reshape(-1, 81)
-    return lighting.find(
-        light,
-        transfer,
+    find = partial(
+        lighting.find,
         lamps=user_lamps.find(scene, transfer, rho) if scene and settings.shadows != DOME else None,
         with_sun=settings.sun,
         ground=_ground(scene, known, settings),
         occlusion=settings.shadows,
     )
+    return (yield from aside(Progress(0.0, "the lights"), find, light, transfer))
 
 
 def _ground(scene, known, settings):

@@ -28,7 +28,7 @@ from ..whole_files import write_text
 from . import clear, out_of_date, scene_lighting
 from . import plan as planning
 from .bake import scene_bake, session
-from .bake.light import SceneLight
+from .bake.light import SceneLight, shining_of
 from .blend_data import kept
 from .lights import lighting
 from .materials import base_color, eligibility, spectral_material
@@ -52,56 +52,90 @@ def analyzed(world: bpy.types.World | None, settings: Settings) -> SkyLight:
 
 
 def set_sky(scene: bpy.types.Scene, path: str | Path, settings: Settings) -> bpy.types.World:
+    """Light a scene by an HDRI file, as `setting_sky` does."""
+    return run(setting_sky(scene, path, settings))
+
+
+def setting_sky(
+    scene: bpy.types.Scene, path: str | Path, settings: Settings
+) -> Generator[Progress, None, bpy.types.World]:
     """Light a scene by an HDRI file, developed where it is a camera's raw.
 
     Raises InputError for a file that is no sky (the scene is untouched) and for wrong settings.
     """
     settings.transfer()
-    hdri.set_sky(scene, path, raw=settings.camera is not None)
-    world = develop(scene, settings)
+    yield from hdri.setting_sky(scene, path, raw=settings.camera is not None)
+    world = yield from developing(scene, settings)
     own_worlds.remove_unused()
     return world
 
 
 def load_sky(scene: bpy.types.Scene, path: str | Path, settings: Settings) -> Outcome:
-    """Light a scene by an HDRI file, and let its spectral materials follow.
+    """Light a scene by an HDRI file, as `loading_sky` does."""
+    return run(loading_sky(scene, path, settings))
+
+
+def loading_sky(
+    scene: bpy.types.Scene, path: str | Path, settings: Settings, relight: bool = True
+) -> Generator[Progress, None, Outcome]:
+    """Light a scene by an HDRI file, and let its spectral materials follow; ``relight`` as in
+    `making_spectral`.
 
     Raises InputError as `set_sky` does; the scene is untouched then.
     """
     settings.transfer()
     ours, skipped = editable(in_scene(scene))
-    set_sky(scene, path, settings)
-    found = update(scene, settings, ours)
+    yield from setting_sky(scene, path, settings)
+    found = yield from updating(scene, settings, ours, relight)
     return replace(found, skipped=skipped)
 
 
 def simulate_sky(
     scene: bpy.types.Scene, place: simulated_sky.SkyPlace, settings: Settings
 ) -> Outcome:
-    """Light a scene by the clear sky of a date and a place, and let its spectral materials follow.
+    """Light a scene by the clear sky of a date and a place, as `simulating_sky` does."""
+    return run(simulating_sky(scene, place, settings))
+
+
+def simulating_sky(
+    scene: bpy.types.Scene,
+    place: simulated_sky.SkyPlace,
+    settings: Settings,
+    relight: bool = True,
+) -> Generator[Progress, None, Outcome]:
+    """Light a scene by the clear sky of a date and a place, and let its spectral materials follow;
+    ``relight`` as in `making_spectral`.
 
     What settings say of another sky's numbers (camera, white balance, the sun's elevation) does not
-    hold for this one, which says its own. Raises InputError as `simulated_sky.image_of` does, and
+    hold for this one, which says its own. Raises InputError as `simulated_sky.imaging` does, and
     for wrong settings; the scene is untouched then.
     """
     settings = replace(settings, camera=None, white=None, sun_elevation=None)
     settings.transfer()
     ours, skipped = editable(in_scene(scene))
-    image = simulated_sky.image_of(place)
+    image = yield from simulated_sky.imaging(place)
     store(simulated_sky.light(scene, image), settings)
     own_worlds.remove_unused()
     line = f"{image.name}: sun at {sky_image.sun_elevation(image):.1f}°"
-    return replace(update(scene, settings, ours), skipped=skipped, lines=[line])
+    found = yield from updating(scene, settings, ours, relight)
+    return replace(found, skipped=skipped, lines=[line])
 
 
 def develop(scene: bpy.types.Scene, settings: Settings) -> bpy.types.World:
+    """Return a scene's World, as `developing` does."""
+    return run(developing(scene, settings))
+
+
+def developing(
+    scene: bpy.types.Scene, settings: Settings
+) -> Generator[Progress, None, bpy.types.World]:
     """Return a scene's World; where its HDRI is a camera's raw, give it one that shows colors.
 
     Raises InputError as `hdri.develop` does, and for an unknown camera.
     """
     if settings.camera is None:
         return hdri.develop(scene, np.eye(3))
-    light = analyzed(scene.world, settings)
+    light = yield from panorama.analyzing(scene.world, settings.sensors)
     return hdri.develop(scene, settings.transfer(light).to_working)
 
 
@@ -124,13 +158,16 @@ def make_spectral(scene: bpy.types.Scene, given: Assignments, settings: Settings
 
 
 def making_spectral(
-    scene: bpy.types.Scene, given: Assignments, settings: Settings
+    scene: bpy.types.Scene, given: Assignments, settings: Settings, relight: bool = True
 ) -> Generator[Progress, None, Outcome]:
-    """Do as `make_spectral` does, yielding after each material; what is baked is lit anew."""
+    """Do as `make_spectral` does, yielding after each material; what is baked is lit anew, but
+    where that is not wanted, for `all_light` follows."""
     planning.check(given)  # before the World is touched
-    plan = planning.make(develop(scene, settings), given, settings)
+    world = yield from developing(scene, settings)
+    plan = yield from planning.making(world, given, settings)
     results = yield from write(plan)
-    return Outcome(plan.light, results, lines=(yield from relighting(plan)))
+    lines = (yield from relighting(plan)) if relight else []
+    return Outcome(plan.light, results, lines=lines)
 
 
 def making_spectral_with_all_light(
@@ -140,10 +177,10 @@ def making_spectral_with_all_light(
 
     Raises InputError as `make_spectral` does.
     """
-    found = yield from making_spectral(scene, given, settings)
+    found = yield from making_spectral(scene, given, settings, settings.shadows != BAKED)
     if settings.shadows != BAKED:
         return found
-    lines = yield from bake(scene, settings)
+    lines = yield from all_light(scene, settings)
     return replace(found, lines=[*found.lines, *lines])
 
 
@@ -152,8 +189,10 @@ def make_everything_spectral(
     chosen: Mapping[bpy.types.Material, Assignment | str],
     settings: Settings,
     estimate: bool = True,
+    relight: bool = True,
 ) -> Generator[Progress, None, Everything]:
-    """Make every eligible material of a scene spectral, yielding after each.
+    """Make every eligible material of a scene spectral, yielding after each; ``relight`` as in
+    `making_spectral`.
 
     ``chosen``: what materials are given, or why that cannot be read; others keep what they have, or
     with ``estimate`` get a reflectance of their base color. Raises InputError as `make_spectral`.
@@ -168,7 +207,7 @@ def make_everything_spectral(
             given[material] = what
     results: list[Result] = []
     if given:
-        results = (yield from making_spectral(scene, given, settings)).results
+        results = (yield from making_spectral(scene, given, settings, relight)).results
     scene[tags.LEFT_ALONE] = json.dumps(left)
     return Everything(results, left)
 
@@ -245,7 +284,18 @@ def update(
     settings: Settings,
     chosen: Iterable[bpy.types.Material] | None = None,
 ) -> Outcome:
-    """Bring managed materials (None: all of the scene that can be changed) up to date with its sky.
+    """Bring managed materials up to date with a scene's sky, as `updating` does."""
+    return run(updating(scene, settings, chosen))
+
+
+def updating(
+    scene: bpy.types.Scene,
+    settings: Settings,
+    chosen: Iterable[bpy.types.Material] | None = None,
+    relight: bool = True,
+) -> Generator[Progress, None, Outcome]:
+    """Bring managed materials (None: all of the scene that can be changed) up to date with its sky;
+    ``relight`` as in `making_spectral`.
 
     What they are given comes from the blend file itself. Raises InputError as `make_spectral` does,
     and for a material of the first version, which kept no reflectance.
@@ -253,7 +303,8 @@ def update(
     skipped: list[str] = []
     if chosen is None:
         chosen, skipped = editable(in_scene(scene))
-    return replace(make_spectral(scene, given_before(chosen), settings), skipped=skipped)
+    found = yield from making_spectral(scene, given_before(chosen), settings, relight)
+    return replace(found, skipped=skipped)
 
 
 def given_before(materials: Iterable[bpy.types.Material]) -> dict[bpy.types.Material, Assignment]:
@@ -308,7 +359,8 @@ def bake(
     ``objects``: None for all of its managed ones; ``options``: those of `scene_bake.bake`. Returns
     lines to read. Raises InputError as `analyzed` does.
     """
-    return (yield from _baking(scene, _shining(scene, settings), objects, **options))
+    shining = yield from _shining(scene, settings)
+    return (yield from _baking(scene, shining, objects, **options))
 
 
 def _baking(
@@ -332,27 +384,36 @@ def following(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress,
     Nothing is done where nothing has. Raises InputError as `update` does.
     """
     lines: list[str] = []
-    shining = _shining(scene, settings)
+    shining = yield from _shining(scene, settings)
     if not session.is_lit_by(shining):
         chosen, lines = editable(in_scene(scene))
-        plan = planning.make(develop(scene, settings), given_before(chosen), settings)
-        yield from write(plan)
-        if not scene_bake.stale():
-            lines += yield from relighting(plan)
-        shining = _shining(scene, settings)
-    return lines + (yield from _baking(scene, shining))
+        world = yield from developing(scene, settings)
+        yield from write((yield from planning.making(world, given_before(chosen), settings)))
+    return lines + (yield from all_light(scene, settings))
 
 
-def _shining(scene: bpy.types.Scene, settings: Settings) -> SceneLight:
-    """What shines on a scene now, by the models that its materials have."""
+def all_light(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress, None, list[str]]:
+    """Bake what has no light or an old one in the active scene, or where there is nothing to bake,
+    light anew what is baked; returns lines. Raises InputError as `analyzed` does.
+    """
+    shining = yield from _shining(scene, settings)
+    old = yield from scene_bake.finding_stale()
+    lines: list[str] = []
+    if not any(map(scene_bake.is_waiting, old)):
+        lines = yield from scene_bake.relighting(shining)
+    return lines + (yield from _baking(scene, shining, old, changed_only=False))
+
+
+def _shining(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress, None, SceneLight]:
+    """Find what shines on a scene now, by the models that its materials have."""
     world = scene.world
-    light = analyzed(world, settings)
+    light = yield from panorama.analyzing(world, settings.sensors)
     assert world is not None  # else it had raised
     given = ((material, assigned(material)) for material in in_scene(scene))
     surfaces = {material: one for material, one in given if one is not None and not one.faces}
-    _, choice = planning.choose(light, surfaces, settings)
-    found = scene_lighting.find(world, light, choice.transfer, settings, {})
-    return SceneLight(world, found, scene)
+    _, choice = yield from planning.choosing(light, surfaces, settings)
+    found = yield from scene_lighting.finding(world, light, choice.transfer, settings, {})
+    return (yield from shining_of(world, found, scene))
 
 
 def measuring(
@@ -362,7 +423,7 @@ def measuring(
 
     Nothing changes. Raises InputError as `analyzed` and `light_meter.measuring` do.
     """
-    shining = _shining(scene, settings)
+    shining = yield from _shining(scene, settings)
     return (yield from light_meter.measuring(scene.world, shining, places, told))
 
 

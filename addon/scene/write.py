@@ -12,7 +12,7 @@ from ..errors import InputError
 from ..grouping import grouped
 from ..progress import Progress
 from .bake import scene_bake
-from .bake.light import SceneLight
+from .bake.light import shining_of
 from .lights import lighting
 from .materials import (
     base_color,
@@ -90,7 +90,8 @@ def relighting(plan: Plan) -> Generator[Progress, None, list[str]]:
     scene = bpy.context.scene
     if plan.lights.occlusion != BAKED or scene.world != plan.world or not scene_bake.baked():
         return []
-    return (yield from scene_bake.relighting(SceneLight(plan.world, plan.lights, scene)))
+    shining = yield from shining_of(plan.world, plan.lights, scene)
+    return (yield from scene_bake.relighting(shining))
 
 
 def _follow(plan: Plan, fresh: list[bpy.types.Material]) -> list[str]:

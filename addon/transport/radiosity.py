@@ -8,7 +8,7 @@ light, costs a look-up of the table alone.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from . import directions
 from .cells import Matter
-from .hits import CHUNK, Growing, Hits, Space, gather
+from .hits import Growing, Hits, Space, gather
 
 ENOUGH = 2e-4
 """Sweeps end when the last changes no cell by more than this part of the mean."""
@@ -108,7 +108,7 @@ class Radiosity:
         shares = _even(STARTS)
         turn = np.arange(rays) % STARTS
         turns = rng.random(len(self.patch)) * (0.0 if alike else 2.0 * np.pi)
-        step = max(1, CHUNK // rays)
+        step = max(1, self.space.chunk // rays)
         for first in range(0, len(self.patch), step):
             part = slice(first, first + step)
             starts, normals, at = self._starts(part, shares)
@@ -127,9 +127,11 @@ class Radiosity:
         # Of a patch that is partly in something too few rays are left to say so.
         self.enclosed = ~beyond.any(axis=1) & self.counts.all(axis=1)
 
-    def lit_by(self, lamps: list[Direct], starts: int = 16) -> NDArray[np.float32]:
+    def lit_by(
+        self, lamps: list[Direct], starts: int = 16
+    ) -> Generator[float, None, NDArray[np.float32]]:
         """Return the irradiance / pi (r, 16) that lamps cast on each side, in shadow or not, by so
-        many rays to each."""
+        many rays to each, yielding 0 to 1."""
         rng = np.random.default_rng(2)
         result = np.zeros_like(self.E)
         if not lamps:
@@ -138,7 +140,7 @@ class Radiosity:
         counts = self.counts[:, :starts]
         weight = np.where(counts.any(axis=1)[:, None], counts, True).astype(np.float32)
         weight /= weight.sum(axis=1, keepdims=True)
-        step = max(1, CHUNK // starts)
+        step = max(1, self.space.chunk // starts)
         for first in range(0, len(self.patch), step):
             part = slice(first, first + step)
             places, normals, _ = self._starts(part, shares)
@@ -146,6 +148,7 @@ class Radiosity:
             for lamp in lamps:
                 lit = shine(self.space, lamp, places.reshape(-1, 3), normals.reshape(-1, 3), rng)
                 result[part] += np.einsum("nsk,ns->nk", lit.reshape(*shape, -1), weight[part])
+                yield min(1.0, (first + step) / len(self.patch))
         return result
 
     def solve(

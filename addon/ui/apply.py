@@ -5,11 +5,13 @@
 import bpy
 
 from ..errors import InputError
-from . import choice, give, operator, properties, targets
+from . import choice, follow, give, operator, properties, targets
 
 
-class Apply(choice.Fields, operator.Thin):
+class Apply(choice.Fields, operator.Long):
     """What the three operators share: one file for all of them, or each material its own."""
+
+    doing = "Applying"
 
     filepath: bpy.props.StringProperty(
         name="File", description="Leave empty to use the file chosen for each material"
@@ -26,7 +28,7 @@ class Apply(choice.Fields, operator.Thin):
     def nothing_to_do(cls, context):
         return ""
 
-    def run(self, context):
+    def work(self, context):
         from ..scene import use_cases
 
         found, skipped = use_cases.editable(self.targets(context))
@@ -45,7 +47,7 @@ class Apply(choice.Fields, operator.Thin):
                 "has no reflectance file",
                 "choose a CSV for it first",
             )
-        return [*lines, *give.give(context, chosen)]
+        return [*lines, *(yield from give.giving(context, chosen))]
 
 
 class SKYLIGHT_OT_apply(Apply, bpy.types.Operator):
@@ -93,11 +95,12 @@ class SKYLIGHT_OT_apply_all(Apply, bpy.types.Operator):
         return [material for material in bpy.data.materials if material.skylight.filepath]
 
 
-class SKYLIGHT_OT_estimate(operator.Thin, bpy.types.Operator):
+class SKYLIGHT_OT_estimate(operator.Long, bpy.types.Operator):
     """Estimate a reflectance from the material's base color or texture and shade it spectrally"""
 
     bl_idname = "skylight.estimate"
     bl_label = "Estimate from Base Color"
+    doing = "Estimating"
 
     material: bpy.props.StringProperty(
         name="Material", description="Leave empty for the active material"
@@ -107,12 +110,13 @@ class SKYLIGHT_OT_estimate(operator.Thin, bpy.types.Operator):
     def disabled_reason(cls, context):
         return operator.no_sky(context)
 
-    def run(self, context):
+    def work(self, context):
         from ..scene import use_cases
 
         material = targets.named(context, self.material)
         settings = properties.settings_of(context.scene.world)
-        found = use_cases.estimate(context.scene, [material], settings)
+        given, relight = use_cases.resolved({material: None}), not follow.follows(settings)
+        found = yield from use_cases.making_spectral(context.scene, given, settings, relight)
         return [("INFO", result.line) for result in found.results]
 
 

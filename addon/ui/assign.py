@@ -7,8 +7,10 @@ import bpy
 from . import choice, give, library_state, operator, targets
 
 
-class Assign(choice.Fields, operator.Thin):
+class Assign(choice.Fields, operator.Long):
     """What the operators share; without a sky it is kept ready with the material."""
+
+    doing = "Assigning"
 
     @classmethod
     def disabled_reason(cls, context):
@@ -20,7 +22,7 @@ class Assign(choice.Fields, operator.Thin):
     def nothing_to_do(cls, context):
         return ""
 
-    def run(self, context):
+    def work(self, context):
         from ..scene import use_cases
 
         number = library_state.seen(context)
@@ -35,7 +37,10 @@ class Assign(choice.Fields, operator.Thin):
             self.behind_column,
         )
         found, skipped = use_cases.editable(self.targets(context))
-        return [*give.warnings(skipped), *give.give(context, dict.fromkeys(found, chosen))]
+        return [
+            *give.warnings(skipped),
+            *(yield from give.giving(context, dict.fromkeys(found, chosen))),
+        ]
 
 
 def kind(of: str) -> str:

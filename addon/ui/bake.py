@@ -7,6 +7,8 @@ import bpy
 from ..choices import AUTO, BAKED
 from . import operator, properties, update
 
+STOPPED = "Baking stopped before it was complete"
+
 
 class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
     """Compute direct and reflected light on each vertex of spectral materials. Press Esc to stop"""
@@ -42,21 +44,30 @@ class SKYLIGHT_OT_bake(operator.Long, bpy.types.Operator):
         rays = max(32, self.rays // 32 * 32) if self.rays else None
         chosen = scene_bake.targets(self.selected)
         settings = properties.settings_of(world)
-        return use_cases.bake(context.scene, settings, chosen, rays=rays, changed_only=self.changed)
+        lines = yield from use_cases.bake(
+            context.scene, settings, chosen, rays=rays, changed_only=self.changed
+        )
+        return [*(("INFO", line) for line in lines), *(yield from _shown(context))]
+
+    def rest(self, context):
+        """Also of a bake that was ended show what there is."""
+        return [("WARNING", STOPPED), *(yield from _shown(context))]
 
     def finish(self, context, done):
-        """Show bakes in the World, and light them by its sky."""
-        from ..scene.bake import scene_bake
+        return [("WARNING", STOPPED)] if done is None else done
 
-        ended = [("WARNING", "Baking stopped before it was complete")]
-        told = ended if done is None else [("INFO", line) for line in done]
-        if not scene_bake.baked():
-            return told
-        numbers = context.scene.world.skylight
-        if numbers.occlusion == AUTO:
-            return [*told, *update.unbaked(context)]
-        numbers.occlusion = BAKED
-        return [*told, *update.update(context)]
+
+def _shown(context):
+    """Show bakes in the World, and light them by its sky."""
+    from ..scene.bake import scene_bake
+
+    if not scene_bake.baked():
+        return []
+    numbers = context.scene.world.skylight
+    if numbers.occlusion == AUTO:
+        return update.unbaked(context)
+    numbers.occlusion = BAKED
+    return (yield from update.updating(context))
 
 
 class SKYLIGHT_OT_remove_bakes(operator.Thin, bpy.types.Operator):

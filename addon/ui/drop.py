@@ -18,12 +18,13 @@ def _columns(self, context):
     return _items.get(self.filepath, [])
 
 
-class SKYLIGHT_OT_drop_reflectance(choice.Fields, operator.Thin, bpy.types.Operator):
+class SKYLIGHT_OT_drop_reflectance(choice.Fields, operator.Long, bpy.types.Operator):
     """Assign a reflectance of the dropped file to the material under the mouse or the active one"""
 
     bl_idname = "skylight.drop_reflectance"
     bl_label = "Assign Reflectance"
     bl_property = "chosen"
+    doing = "Assigning"
 
     filepath: bpy.props.StringProperty(
         name="File", description="Measured reflectances", subtype="FILE_PATH", options={"SKIP_SAVE"}
@@ -54,11 +55,12 @@ class SKYLIGHT_OT_drop_reflectance(choice.Fields, operator.Thin, bpy.types.Opera
             return {"CANCELLED"}
         if len(names) > 1 and not self.column:
             _items[self.filepath] = [(name, name, "") for name in names]
+            self.asked = True
             context.window_manager.invoke_search_popup(self)
             return {"RUNNING_MODAL"}
-        return self.execute(context)
+        return super().invoke(context, event)
 
-    def run(self, context):
+    def work(self, context):
         if not self.filepath:
             raise InputError("the file", "has no path", "drop a file, or set filepath")
         from ..scene import use_cases
@@ -77,7 +79,10 @@ class SKYLIGHT_OT_drop_reflectance(choice.Fields, operator.Thin, bpy.types.Opera
         kind = assign.kind(kinds.get(column, ""))
         chosen = choice.Chosen.of(self, column=column, kind=kind)
         found, skipped = use_cases.editable([self._target(context, column)])
-        return [*give.warnings(skipped), *give.give(context, dict.fromkeys(found, chosen))]
+        return [
+            *give.warnings(skipped),
+            *(yield from give.giving(context, dict.fromkeys(found, chosen))),
+        ]
 
     def _target(self, context, column: str) -> bpy.types.Material:
         from . import under_mouse

@@ -7,7 +7,7 @@ import bpy
 from ..choices import BAKED
 from ..grouping import grouped
 from ..progress import run
-from . import choice, give, operator, properties, update, view
+from . import choice, follow, give, operator, properties, update, view
 
 
 class SKYLIGHT_OT_make_spectral(operator.Long, bpy.types.Operator):
@@ -34,19 +34,27 @@ its base color. Materials left alone are listed with the reason. Press Esc to st
     def run(self, context):
         from ..scene import use_cases
 
-        scene, found, lines = context.scene, run(self.work(context)), []
+        scene = context.scene
         settings = properties.settings_of(scene.world)
-        if settings.shadows == BAKED and use_cases.in_scene(scene):
+        with_light = settings.shadows == BAKED
+        found, lines = run(self._work(context, not with_light)), []
+        if with_light and use_cases.in_scene(scene):
             # A script waits for the light; in a window it comes between events, see `follow`.
-            lines = run(use_cases.bake(scene, settings))
+            lines = run(use_cases.all_light(scene, settings))
         return [*(("INFO", line) for line in lines), *self.finish(context, found)]
 
     def work(self, context):
+        settings = properties.settings_of(context.scene.world)
+        return self._work(context, not follow.follows(settings))
+
+    def _work(self, context, relight):
         from ..scene import use_cases
 
         chosen = choice.of_scene(context.scene)
         settings = properties.settings_of(context.scene.world)
-        return use_cases.make_everything_spectral(context.scene, chosen, settings, self.estimate)
+        return use_cases.make_everything_spectral(
+            context.scene, chosen, settings, self.estimate, relight
+        )
 
     def finish(self, context, done):
         view.show(context)

@@ -9,24 +9,25 @@ from __future__ import annotations
 import time
 from collections.abc import Generator
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import bpy
 
 from ..choices import AUTO
 from ..errors import InputError
-from ..progress import Progress
-from . import last_guard
+from ..progress import Progress, a_while
+from . import last_guard, under_way
 from .labels import told
 from .translation import translated
+
+if TYPE_CHECKING:
+    from ..scene.world.settings import Settings
 
 PAUSE = 0.4
 """[s] without a change before work begins: a person who drags something is not done yet."""
 
-SLICE = 0.05, 0.25
+SLICE = 0.05, 0.15
 """[s] of work between two looks at what a person does: more where Blender itself takes long."""
-
-SHOWN = 0.3
-"""[s] between two looks at the progress: each costs a redraw."""
 
 
 @dataclass
@@ -49,7 +50,7 @@ _work: Work | None = None
 _asked: float | None = None  # when, by `time.monotonic`, as long as it has not begun
 _lines: list[str] = []
 _halt = ""
-_ended = _shown = 0.0  # when, by `time.monotonic`, the last slice ended, and the panel was drawn
+_ended = 0.0  # when, by `time.monotonic`, the last slice ended
 
 
 def work() -> Work | None:
@@ -84,6 +85,11 @@ def ask() -> None:
         bpy.app.timers.register(_tick, first_interval=PAUSE)
 
 
+def follows(settings: Settings) -> bool:
+    """Whether all light that settings ask for comes by itself after a change."""
+    return settings.occlusion == AUTO and not bpy.app.background
+
+
 def drop() -> None:
     """End the bake under way: what it has done stays."""
     global _work, _asked
@@ -108,20 +114,8 @@ def _tick() -> float | None:
             if not _begin():
                 return None
         _go_on()
-    if _work is None or time.monotonic() - _shown >= SHOWN:
-        show()
+    under_way.redraw(at_once=_work is None)
     return 0.01
-
-
-def show() -> None:
-    """Draw the sidebars again, and not the pictures beside them: those may take seconds."""
-    global _shown
-    _shown = time.monotonic()
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            for region in area.regions if area.type == "VIEW_3D" else ():
-                if region.type == "UI":
-                    region.tag_redraw()
 
 
 def _busy(window: bpy.types.Window) -> bool:
@@ -160,12 +154,10 @@ def _go_on() -> None:
     current = _work
     assert current is not None
     start = time.monotonic()
-    until = start + min(max(SLICE[0], start - _ended), SLICE[1])
+    seconds = min(max(SLICE[0], start - _ended), SLICE[1])
     try:
         with staleness_handlers.ours(bpy.context):
-            current.progress = next(current.steps)
-            while time.monotonic() < until:
-                current.progress = next(current.steps)
+            current.progress = a_while(current.steps, seconds)
     except StopIteration as done:
         _lines[:] = done.value
         _work = None

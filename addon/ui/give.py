@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Generator, Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import bpy
 
 from ..grouping import grouped
-from . import operator, properties
+from ..progress import Progress
+from . import follow, operator, properties
 from .choice import Chosen, keep
 
 if TYPE_CHECKING:
@@ -17,7 +18,9 @@ if TYPE_CHECKING:
 Lines = list[tuple[str, str]]
 
 
-def give(context: bpy.types.Context, chosen: Mapping[bpy.types.Material, Chosen]) -> Lines:
+def giving(
+    context: bpy.types.Context, chosen: Mapping[bpy.types.Material, Chosen]
+) -> Generator[Progress, None, Lines]:
     """Give materials what was chosen for them; without a sky it is kept ready with them.
 
     Raises InputError as the readers of the files and `use_cases.make_spectral` do.
@@ -32,7 +35,8 @@ def give(context: bpy.types.Context, chosen: Mapping[bpy.types.Material, Chosen]
         lines += [("INFO", f"{m.name}: {one.column} {said}") for m, one in read.items()]
     else:
         settings = properties.settings_of(context.scene.world)
-        found = use_cases.make_spectral(context.scene, read, settings)
+        relight = not follow.follows(settings)
+        found = yield from use_cases.making_spectral(context.scene, read, settings, relight)
         lines += [("WARNING" if r.out_of_gamut else "INFO", r.line) for r in found.results]
         lines += operator.of_light(context.scene)
     for material, one in chosen.items():

@@ -4,14 +4,15 @@
 
 import bpy
 
-from . import give, operator, properties
+from . import follow, give, operator, properties
 
 
-class SKYLIGHT_OT_load_sky(operator.Thin, bpy.types.Operator):
+class SKYLIGHT_OT_load_sky(operator.Long, bpy.types.Operator):
     """Light the scene with a sky HDRI and update the spectral materials"""
 
     bl_idname = "skylight.load_sky"
     bl_label = "Load Sky HDRI"
+    doing = "Loading"
 
     filepath: bpy.props.StringProperty(
         name="Sky HDRI", description="OpenEXR or Radiance, lat-long (2:1)", subtype="FILE_PATH"
@@ -20,16 +21,16 @@ class SKYLIGHT_OT_load_sky(operator.Thin, bpy.types.Operator):
     display_type: operator.thumbnails()
 
     def invoke(self, context, event):
-        self.filepath = operator.folder()
+        self.filepath, self.asked = operator.folder(), True
         return operator.browse(self, context)
 
-    def run(self, context):
+    def work(self, context):
         from ..scene import use_cases
 
         scene = context.scene
         settings = properties.settings_of(scene.world)
-        path = bpy.path.abspath(self.filepath)
-        found = use_cases.load_sky(scene, path, settings)
+        path, relight = bpy.path.abspath(self.filepath), not follow.follows(settings)
+        found = yield from use_cases.loading_sky(scene, path, settings, relight)
         count = f", {len(found.results)} material(s) updated" if found.results else ""
         name = "" if found.light is None else found.light.name
         lines = [*give.warnings(found.skipped), ("INFO", f"Sky: {name}{count}")]

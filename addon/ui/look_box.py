@@ -8,7 +8,7 @@ import bpy
 
 from ..choices import BAKED
 from ..grouping import some
-from . import follow, panel_text, split_view, staleness_handlers
+from . import follow, panel_text, split_view, staleness_handlers, under_way
 from .panel_text import paragraph
 from .translation import translated
 
@@ -76,7 +76,9 @@ def light(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
     sentences = [*filter(None, out_of_date.caption(context.scene).split("; "))]
     row = layout.row(align=True)
-    if follow.work() is not None or follow.waiting():
+    if under_way.draw(row):
+        pass  # all else changes with it
+    elif follow.work() is not None or follow.waiting():
         _progress(row)
     elif follow.halt():
         row.label(text=translated(follow.halt()), icon="ERROR")

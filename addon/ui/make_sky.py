@@ -2,17 +2,19 @@
 
 import bpy
 
-from . import give, operator, place, properties
+from . import follow, give, operator, place, properties
 
 
-class SKYLIGHT_OT_make_sky(operator.Thin, bpy.types.Operator):
+class SKYLIGHT_OT_make_sky(operator.Long, bpy.types.Operator):
     """Simulate the clear sky of a date and a place, light the scene with it, and update the \
 spectral materials"""
 
     bl_idname = "skylight.make_sky"
     bl_label = "Sky from Date and Place"
+    doing = "Simulating"
 
     def invoke(self, context, event):
+        self.asked = True
         place.take_over(context.scene)
         return context.window_manager.invoke_props_dialog(self, width=320)
 
@@ -25,12 +27,13 @@ spectral materials"""
             for name in group:
                 column.prop(chosen, name)
 
-    def run(self, context):
+    def work(self, context):
         from ..scene import use_cases
 
         scene = context.scene
         settings = properties.settings_of(scene.world)
-        found = use_cases.simulate_sky(scene, place.sky_place(scene.skylight_place), settings)
+        chosen, relight = place.sky_place(scene.skylight_place), not follow.follows(settings)
+        found = yield from use_cases.simulating_sky(scene, chosen, settings, relight)
         count = f", {len(found.results)} material(s) updated" if found.results else ""
         lines = [("INFO", f"{line}{count}") for line in found.lines]
         return [*give.warnings(found.skipped), *lines, *operator.of_light(scene)]

@@ -6,15 +6,14 @@ What it reads is no part of the file: it is kept as long as Blender is open.
 # No postponed annotations here: Blender reads properties from them.
 # mypy: disable-error-code="valid-type"
 
-import time
 from collections.abc import Generator
 from typing import Any
 
 import bpy
 
 from ..errors import InputError
-from ..progress import Progress
-from . import follow, last_guard, operator, panels, properties
+from ..progress import Progress, a_while
+from . import follow, last_guard, operator, panels, properties, under_way
 from .labels import told
 
 PLACES = (
@@ -168,9 +167,7 @@ def go_on(context: bpy.types.Context) -> float:
             _work = _measuring(context, scene.skylight_meter.place)
         if _work is None:
             return PAUSE
-        until = time.monotonic() + SLICE
-        while time.monotonic() < until:
-            next(_work)
+        a_while(_work, SLICE)
         return 0.01
     except StopIteration as done:
         _work = None
@@ -181,7 +178,7 @@ def go_on(context: bpy.types.Context) -> float:
     except Exception as error:  # a timer that fails is not called again
         _stop()
         _read[scene.name] = [last_guard.line(error)]
-    follow.show()
+    under_way.redraw(at_once=True)
     return PAUSE
 
 

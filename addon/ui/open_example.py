@@ -5,20 +5,21 @@ import bpy
 from . import operator, properties
 
 
-class SKYLIGHT_OT_open_example(operator.Thin, bpy.types.Operator):
+class SKYLIGHT_OT_open_example(operator.Long, bpy.types.Operator):
     """Add a scene with a small house under a low sun, and show it through its camera. Your own \
 scenes stay as they are"""
 
     bl_idname = "skylight.open_example"
     bl_label = "Open Example House"
+    doing = "Opening"
 
-    def run(self, context):
+    def work(self, context):
         from ..scene import example_house, use_cases
 
         scene = example_house.build()
         if context.window is not None:
             context.window.scene = scene
-        found = use_cases.simulate_sky(
+        found = yield from use_cases.simulating_sky(
             scene, example_house.PLACE, properties.settings_of(scene.world)
         )
         for area in context.screen.areas if context.screen else ():

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import time
 from collections.abc import Generator, Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -12,8 +11,8 @@ from typing import Any
 import bpy
 
 from ..errors import InputError
-from ..progress import Progress, run
-from . import staleness_handlers
+from ..progress import Progress, a_while, run
+from . import staleness_handlers, under_way
 from .labels import told
 from .translation import translated
 
@@ -69,25 +68,53 @@ class Long(Thin):
     """
 
     doing = ""
-    """What the status bar says is done."""
+    """What the status bar and the panel say is done."""
+
+    stopped = False
+    """Whether Esc has ended the work, and its `rest` is done."""
+
+    asked = False
+    """Whether a person is asked for something first, after whose answer Blender calls `execute`."""
 
     def work(self, context: bpy.types.Context) -> Generator[Progress, None, Any]:
         """Yield `progress.Progress`, and return what `finish` reports on."""
         raise NotImplementedError
 
     def finish(self, context: bpy.types.Context, done: Any) -> Iterable[tuple[str, str]]:
-        """Do what follows; ``done``: what `work` returned, None where it was ended before."""
-        raise NotImplementedError
+        """Do what follows; ``done``: what `work` returned, None where it was ended before.
+
+        Without more to do `work` returns the lines itself.
+        """
+        return [("WARNING", "Stopped")] if done is None else done
 
     def run(self, context: bpy.types.Context) -> Iterable[tuple[str, str]]:
         """Work to the end."""
         return self.finish(context, run(self.work(context)))
 
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        """Run to the end, or where a person has answered, work on between events."""
+        if self.asked and context.window is not None:
+            self.asked = False  # a change in the panel of the last operation has no events
+            return self._start(context)
+        return super().execute(context)
+
+    def rest(self, context: bpy.types.Context) -> Generator[Progress, None, Any] | None:
+        """What is still to be done once Esc has ended the work, None for nothing.
+
+        It returns what `finish` reports on; a second Esc ends that too.
+        """
+        return None
+
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Start, and work on between events until done."""
-        if context.window is None:
-            return self.execute(context)
-        self.generator = self.work(context)
+        return self.execute(context) if context.window is None else self._start(context)
+
+    def _start(self, context: bpy.types.Context) -> set[str]:
+        try:
+            self.generator = self.work(context)
+        except InputError as error:
+            self.report({"ERROR"}, told(error))  # type: ignore[attr-defined]
+            return {"CANCELLED"}
         manager = context.window_manager
         self.timer = manager.event_timer_add(SLICE / 10, window=context.window)
         manager.progress_begin(0, 100)
@@ -97,14 +124,15 @@ class Long(Thin):
     def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Work for a moment, or end."""
         if event.type == "ESC":
-            self.cancel(context)
-            return self._end(context, None)
+            self.generator.close()
+            rest = None if self.stopped else self.rest(context)
+            if rest is None:
+                self._tidy(context)
+                return self._end(context, None)
+            self.generator, self.stopped = rest, True
         if event.type == "TIMER":
-            until = time.monotonic() + SLICE
             try:
-                progress = next(self.generator)
-                while time.monotonic() < until:
-                    progress = next(self.generator)
+                progress = a_while(self.generator, SLICE)
             except StopIteration as done:
                 self._tidy(context)
                 return self._end(context, done.value)
@@ -115,6 +143,7 @@ class Long(Thin):
             except Exception:
                 self._tidy(context)
                 raise
+            under_way.show(self.doing, progress)
             context.window_manager.progress_update(100 * progress.done)
             doing, line = translated(self.doing), translated(progress.line)
             text = f"{doing} {line}: {100 * progress.done:.0f} %. Press Esc to stop"
@@ -127,6 +156,7 @@ class Long(Thin):
         self._tidy(context)
 
     def _tidy(self, context: bpy.types.Context) -> None:
+        under_way.show("", None)
         context.window_manager.event_timer_remove(self.timer)
         context.window_manager.progress_end()
         context.workspace.status_text_set(None)

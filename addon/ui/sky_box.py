@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..errors import InputError
-from . import panel_text
+from . import panel_text, under_way
 from .labels import told
 from .translation import translated
 
@@ -23,6 +23,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         column.operator("skylight.use_world", text="Use My World")
         column.operator("skylight.make_sky", text="From Date and Place...", icon="LIGHT_SUN")
         box.operator("skylight.open_example", icon="HOME")
+        under_way.draw(box)
         return
     try:
         seen = hdri.sky_of(world)

@@ -1,9 +1,12 @@
 """Bringing the spectral materials up to date with the sky."""
 
+from collections.abc import Generator
+
 import bpy
 
 from ..grouping import some
-from . import choice, give, operator, properties, staleness_handlers
+from ..progress import Progress
+from . import choice, follow, give, operator, properties, staleness_handlers
 
 
 def nothing_to_update(context: bpy.types.Context) -> str:
@@ -14,19 +17,22 @@ def nothing_to_update(context: bpy.types.Context) -> str:
     return operator.no_sky(context) or ("" if spectral_material.ours() else nothing)
 
 
-def update(context: bpy.types.Context) -> give.Lines:
+def updating(context: bpy.types.Context) -> Generator[Progress, None, give.Lines]:
     """Let materials follow the sky, and say which files and bakes have changed since."""
     from ..scene import use_cases
 
     world = context.scene.world
-    found = use_cases.update(context.scene, properties.settings_of(world))
+    settings = properties.settings_of(world)
+    relight = not follow.follows(settings)
+    found = yield from use_cases.updating(context.scene, settings, relight=relight)
     lines = give.warnings(found.skipped)
     lines += give.of_results(found.results)
     changed, gone = choice.changed_files(use_cases.in_scene(context.scene))
     staleness_handlers.found_files(changed)
     lines += [("WARNING", f"{material.name}: {line}") for material, line in changed.items()]
     lines += [("INFO", line) for line in gone]
-    lines += unbaked(context)
+    if relight:
+        lines += unbaked(context)
     name = "" if found.light is None else found.light.name
     lines.append(("INFO", f"Updated {len(found.results)} material(s) to {name}"))
     return [*lines, *operator.of_light(context.scene)]
@@ -43,19 +49,20 @@ def unbaked(context: bpy.types.Context) -> give.Lines:
     return [("WARNING", f"Not baked, or changed since: {some(names, 'object')}")]
 
 
-class SKYLIGHT_OT_update(operator.Thin, bpy.types.Operator):
+class SKYLIGHT_OT_update(operator.Long, bpy.types.Operator):
     """Update spectral materials to the HDRI, the settings and the lamps, and list files, bakes \
 and base colors that have changed"""
 
     bl_idname = "skylight.update"
     bl_label = "Update"
+    doing = "Updating"
 
     @classmethod
     def disabled_reason(cls, context):
         return nothing_to_update(context)
 
-    def run(self, context):
-        return update(context)
+    def work(self, context):
+        return updating(context)
 
 
 CLASSES = (SKYLIGHT_OT_update,)

@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 
+from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.transport import directions, rays
 from spectral_skylight.addon.transport.bands import COUNT
 from spectral_skylight.addon.transport.cells import ANGLES, Cells, Matter, Surfaces, levels_for
@@ -57,7 +58,7 @@ def test_a_hundred_thousand_points(benchmark, slow):
     seconds = {}
 
     def light(radiosity, hits):
-        table, _, _ = radiosity.solve(sky, radiosity.lit_by([]))
+        table, _, _ = radiosity.solve(sky, run(radiosity.lit_by([])))
         return gather(hits, np.ascontiguousarray(table[:, :8]))
 
     def bake():

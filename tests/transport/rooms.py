@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.transport import directions
 from spectral_skylight.addon.transport.bands import COUNT
 from spectral_skylight.addon.transport.cells import ANGLES, Cells, Matter, Surfaces, levels_for
@@ -69,5 +70,5 @@ def radiosity(corners, of, kinds=0, solid=True, cells=2000, rays=256, slow=False
 
 
 def solved(found, sky=DARK, lamps=()):
-    table, _, _ = found.solve(sky, found.lit_by(list(lamps)))
+    table, _, _ = found.solve(sky, run(found.lit_by(list(lamps))))
     return table

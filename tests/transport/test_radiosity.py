@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.transfer import glass
 from spectral_skylight.addon.transport.bands import COUNT
 from spectral_skylight.addon.transport.cells import ANGLES
@@ -171,10 +172,10 @@ def test_what_lies_under_something_says_nothing_of_what_lies_beside_it():
     solid = np.array([False] * 3 + [True] * 12)
     found = radiosity(corners, matter([0.5]), solid=solid, cells=0)
     overhead = Direct(None, np.array([0.0, 0.0, 1.0]), np.ones(COUNT, np.float32))
-    light = found.lit_by([overhead])
+    light = run(found.lit_by([overhead]))
     np.testing.assert_allclose(light[:2], 1.0, rtol=1e-6)
     assert not found.counts[:2].all()
     # A board as high over a cell as the cell is wide casts a shadow.
     corners[2, :, 2] = 1.0
     found = radiosity(corners, matter([0.5]), solid=solid, cells=0)
-    assert 0.3 < found.lit_by([overhead])[1, 0] < 0.95
+    assert 0.3 < run(found.lit_by([overhead]))[1, 0] < 0.95

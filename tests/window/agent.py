@@ -14,6 +14,8 @@ import bpy
 import numpy as np
 
 FOLDER = Path(sys.argv[sys.argv.index("--") + 1])
+sys.path.insert(0, str(FOLDER))
+freezes = importlib.import_module("freezes")
 
 
 def region(area_type, region_type):
@@ -80,6 +82,34 @@ def near(name, wanted):
     return bool(np.abs(np.subtract(found, wanted)).max() < 1e-4)
 
 
+def village(across):
+    """A field with so many times so many boxes of 26 faces each in 24 colors, and one fine dome."""
+    bpy.data.objects.remove(bpy.data.objects["Cube"])
+    paints = [bpy.data.materials.new(f"Paint {k}") for k in range(24)]
+    for k, paint in enumerate(paints):
+        color = 0.1 + 0.03 * k, 0.8 - 0.03 * k, 0.3, 1.0
+        next(n for n in paint.node_tree.nodes if n.type == "BSDF_PRINCIPLED").inputs[
+            "Base Color"
+        ].default_value = color
+    side = 4.0 * across
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=40, y_subdivisions=40, size=side)
+    bpy.context.object.name = "Field"
+    bpy.context.object.data.materials.append(paints[0])
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=96, ring_count=48, radius=3, location=(0, 0, 6))
+    bpy.context.object.data.materials.append(paints[1])
+    bpy.ops.mesh.primitive_cube_add(size=1.5)
+    first = bpy.context.object
+    first.modifiers.new("Edges", "BEVEL")
+    for k in range(across**2):
+        mesh = first.data.copy()
+        mesh.materials.append(paints[k % 24])
+        box = bpy.data.objects.new(f"Box {k}", mesh)
+        box.modifiers.new("Edges", "BEVEL")
+        box.location = 4.0 * (k % across) - side / 2, 4.0 * (k // across) - side / 2, 0.75
+        bpy.context.scene.collection.objects.link(box)
+    bpy.data.objects.remove(first)
+
+
 def listen():
     ask, answer = FOLDER / "ask", FOLDER / "answer"
     if ask.exists():
@@ -100,4 +130,5 @@ view.show_splash = False
 view.filebrowser_display_type = "SCREEN"  # there is no window manager to place another window
 bpy.context.scene.eevee.taa_samples = 1  # each takes seconds in software
 bpy.app.timers.register(listen, persistent=True)
+watched = freezes.Freezes()
 (FOLDER / "started").touch()

@@ -17,7 +17,8 @@ from pathlib import Path
 HERE = Path(__file__).parent
 SHOTS = HERE.parents[1] / "examples" / "out" / "window"
 CERTIFICATES = Path("/etc/ssl/certs/ca-certificates.crt")
-DISPLAY = ":79"
+DISPLAY = f":{100 + os.getpid() % 800}"
+"""One for each run, for two may share a machine."""
 WIDTH, HEIGHT = 1100, 700
 Box = tuple[int, int, int, int]
 """Left, top, width and height on the screen [pixels]."""
@@ -31,7 +32,7 @@ class Debian:
 
     def __init__(self, root: Path, name: str):
         self.root = root
-        self.inside = f"/tmp/skylight-{name}"
+        self.inside = f"/tmp/skylight-{name}-{os.getpid()}"
         self.folder = root / self.inside.lstrip("/")
         shutil.rmtree(self.folder, ignore_errors=True)
         self.folder.mkdir(parents=True)
@@ -83,7 +84,8 @@ class Window:
         self.debian = debian
 
     def __enter__(self) -> Window:
-        shutil.copy(HERE / "agent.py", self.debian.folder)
+        for name in ("agent.py", "freezes.py"):
+            shutil.copy(HERE / name, self.debian.folder)
         (self.debian.folder / "started").unlink(missing_ok=True)
         screen = f"{WIDTH}x{HEIGHT}x24"
         self.screen = self.debian.start("Xvfb", DISPLAY, "-screen", "0", screen, log="xvfb")

@@ -13,6 +13,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from ...progress import Progress, aside
 from ...transport import directions
 from ...transport.bands import COUNT
 from ...transport.hits import Growing, Hits, Space, gather
@@ -123,7 +124,9 @@ class Collected:
                 found.add(hits)
                 yield (first + part.stop) / len(points)
             self.depth[chosen] = len(self.patterns)
-            self._keep(_Block(chosen, found.hits, len(self.patterns)), shading)
+            at = Progress((first + len(chosen)) / len(points), "")
+            block = _Block(chosen, found.hits, len(self.patterns))
+            yield from (each.done for each in aside(at, self._keep, block, shading))
         for _ in self._compare(shading):
             yield 1.0
 

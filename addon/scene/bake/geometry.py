@@ -2,19 +2,29 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from collections.abc import Generator
+from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import islice
 from typing import Any
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...progress import Progress, aside, is_between_events
 from ...transport.cells import Surfaces
 from ...transport.rays import Caster
 
 STEP = 1e-5
 """Of an object's size: corners nearer than this to one another are one."""
+
+
+READING = 0.15
+"""[s] of reading between two events: until then a window waits."""
+
+GATHERING = Progress(0.0, "geometry")
 
 
 @dataclass
@@ -71,8 +81,6 @@ class _Shape:
     slots: NDArray
     names: list[str]
     polygons: NDArray
-    solid: NDArray[np.bool_]
-    shells: list[_Shell]
 
 
 @dataclass
@@ -86,20 +94,59 @@ class _Shell:
     depth: float
 
 
-def gather(depsgraph: bpy.types.Depsgraph) -> Geometry:
+@dataclass
+class _Placed:
+    """One mesh in one place: its ``shape``, matrix (4, 4), owner, number, and its slots' kinds."""
+
+    shape: _Shape
+    to_world: NDArray[np.float64]
+    owner: int
+    number: int
+    kinds: NDArray[np.int32]
+
+
+def gathering() -> Generator[Progress, None, Geometry]:
     """Gather all that light meets in the evaluated scene, instances and curves included.
 
     Left out: what is hidden in renders or in the viewport, and what casts no shadow (ray
     visibility). A holdout and a shadow catcher are there as they are in Cycles.
     """
-    owners: dict[str, int] = {}
-    materials: dict[str, int] = {"": 0}
-    cache: dict[Any, _Shape] = {}
-    solids: dict[bytes, tuple[NDArray[np.bool_], list[_Shell]]] = {}
-    columns: list[list[NDArray]] = [[] for _ in range(6)]
-    shells: list[tuple[NDArray, _Shell, NDArray]] = []
-    total = 0
-    for number, instance in enumerate(depsgraph.object_instances):
+    read = yield from reading()
+    return (yield from aside(GATHERING, assembled, read))
+
+
+@dataclass
+class Read:
+    """Meshes and places as Blender has them, and names of owners and materials by number."""
+
+    placed: list[_Placed] = field(default_factory=list)
+    owners: dict[str, int] = field(default_factory=dict)
+    materials: dict[str, int] = field(default_factory=lambda: {"": 0})
+    shapes: dict[Any, _Shape] = field(default_factory=dict)
+
+
+def reading() -> Generator[Progress, None, Read]:
+    """Read what `assembled` makes geometry of, yielding where there is much; only as long as
+    nothing in the scene changes."""
+    read = Read()
+    first = _read_some(0, read)
+    while first is not None:
+        yield GATHERING
+        first = _read_some(first, read)
+    return read
+
+
+def _read_some(first: int, read: Read) -> int | None:
+    """Read instances from a first one on, between events for a moment; which is the next to read.
+
+    An iterator over instances must not be kept while Blender does anything else.
+    """
+    until = time.monotonic() + READING if is_between_events() else np.inf
+    owners, materials, cache = read.owners, read.materials, read.shapes
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    for number, instance in islice(enumerate(depsgraph.object_instances), first, None):
+        if number > first and time.monotonic() > until:
+            return number
         shown = instance.object
         by = instance.parent if instance.is_instance else shown
         # Curves, texts and metaballs show their meshes as instances of themselves.
@@ -114,41 +161,57 @@ def gather(depsgraph: bpy.types.Depsgraph) -> Geometry:
             continue
         key = shown.original.name_full, shown.data.as_pointer() if shown.data else 0
         if key not in cache:
-            triangles, slots, names, polygons = _read(shown)
-            # Linked duplicates, and what stands in for instances, have the same triangles.
-            content = triangles.tobytes()
-            if content not in solids:
-                solids[content] = _solid(triangles)
-            cache[key] = _Shape(triangles, slots, names, polygons, *solids[content])
+            cache[key] = _Shape(*_read(shown))
         shape = cache[key]
         if not len(shape.triangles):
             continue
+        owner = owners.setdefault(by.original.name_full, len(owners))
+        kinds = np.array([materials.setdefault(name, len(materials)) for name in shape.names])
         to_world = np.array(instance.matrix_world)
-        placed = shape.triangles @ to_world[:3, :3].T + to_world[:3, 3]
+        read.placed.append(_Placed(shape, to_world, owner, number, kinds.astype(np.int32)))
+    return None
+
+
+def assembled(read: Read) -> Geometry:
+    """All that was read, in the world."""
+    placed, owners, materials = read.placed, list(read.owners), list(read.materials)
+    empty = np.empty(0, np.int32)
+    if not placed:
+        none, no = np.empty((0, 3, 3)), np.empty(0, bool)
+        return Geometry(none, np.zeros(3), empty, [], empty, empty, materials, empty, no)
+    solids: dict[bytes, tuple[NDArray[np.bool_], list[_Shell]]] = {}
+    known: dict[int, tuple[NDArray[np.bool_], list[_Shell]]] = {}
+    columns: list[list[NDArray]] = [[] for _ in range(6)]
+    shells: list[tuple[NDArray, _Shell, NDArray]] = []
+    total = 0
+    for one in placed:
+        shape, to_world = one.shape, one.to_world
+        if id(shape) not in known:
+            # Linked duplicates, and what stands in for instances, have the same triangles.
+            content = shape.triangles.tobytes()
+            if content not in solids:
+                solids[content] = _solid(shape.triangles)
+            known[id(shape)] = solids[content]
+        inside, open_parts = known[id(shape)]
+        corners = shape.triangles @ to_world[:3, :3].T + to_world[:3, 3]
         mirrored = np.linalg.det(to_world[:3, :3]) < 0.0
-        count = len(placed)
-        for shell in shape.shells if not mirrored else ():
+        count = len(corners)
+        for shell in open_parts if not mirrored else ():
             shells.append((total + np.flatnonzero(shell.triangles), shell, to_world))
         total += count
-        owner = owners.setdefault(by.original.name_full, len(owners))
-        place = np.array([materials.setdefault(name, len(materials)) for name in shape.names])
         for column, values in zip(
             columns,
             (
-                placed[:, ::-1] if mirrored else placed,
-                np.full(count, owner, np.int32),
-                np.full(count, number, np.int32),
-                place.astype(np.int32)[shape.slots],
+                corners[:, ::-1] if mirrored else corners,
+                np.full(count, one.owner, np.int32),
+                np.full(count, one.number, np.int32),
+                one.kinds[shape.slots],
                 shape.polygons,
-                shape.solid,
+                inside,
             ),
             strict=True,
         ):
             column.append(values)
-    if not columns[0]:
-        empty = np.empty(0, np.int32)
-        none, no = np.empty((0, 3, 3)), np.empty(0, bool)
-        return Geometry(none, np.zeros(3), empty, [], empty, empty, list(materials), empty, no)
     for k, column in enumerate(columns):
         columns[k] = [np.concatenate(column)]  # one by one, for a town's are large
     places, owner, instances, material, polygon, solid = (column[0] for column in columns)
@@ -156,10 +219,7 @@ def gather(depsgraph: bpy.types.Depsgraph) -> Geometry:
     origin = (flat.min(axis=0) + flat.max(axis=0)) / 2
     places -= origin
     _close(solid, shells, places, origin)
-    return Geometry(
-        places, origin, owner, list(owners), instances, material, list(materials),
-        polygon, solid,
-    )  # fmt: skip
+    return Geometry(places, origin, owner, owners, instances, material, materials, polygon, solid)
 
 
 def _close(solid, shells, corners, origin) -> None:

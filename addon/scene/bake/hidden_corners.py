@@ -7,6 +7,8 @@ the cell's other corners, where a point of its own goes on to have that of what 
 
 from __future__ import annotations
 
+from collections.abc import Generator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -19,19 +21,20 @@ INWARDS = 0.02
 """Of the way from a corner to its cell's middle: what ends so near a corner does not hide it."""
 
 
-def with_twins(fine: Fine, points: Points, space: Space) -> Fine:
-    """Return the same faces with twins of points that are hidden from the rest of a cell."""
+def with_twins(fine: Fine, points: Points, space: Space) -> Generator[float, None, Fine]:
+    """Return the same faces with twins of points that are hidden from the rest of a cell, yielding
+    between rays."""
     at, face = points.starts(1.0)[fine.point], fine.face
     middle = fine.mean(at)
     cut = np.zeros(len(at), bool)
     wanted = np.flatnonzero(fine.managed[face])
     ends = at[wanted] + INWARDS * (middle[face[wanted]] - at[wanted])
-    cut[wanted] = ~space.open_between(middle[face[wanted]], ends)
+    cut[wanted] = ~(yield from space.open_between(middle[face[wanted]], ends))
     if not cut.any():
         return fine
     normals = fine.mean(points.normals[fine.point])
     starts, ways = (each.astype(np.float32) for each in (middle, normals))
-    _, buried = space.hidden(starts, ways, np.zeros(len(middle)))
+    _, buried = yield from space.hiding(starts, ways, np.zeros(len(middle)))
     lost = _lost(fine, cut, ~buried)
     if not lost.any():
         return fine

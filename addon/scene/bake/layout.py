@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ....node_groups import sky_bake
 from ...grouping import grouped
+from ...progress import mapped
 from ...transport.cells import FINEST, Surfaces
 from ...transport.hits import Space
 from ...transport.radiosity import Radiosity
@@ -60,11 +61,13 @@ class Plan:
 
 
 def begin(
-    objects: Sequence[tuple[bpy.types.Object, bpy.types.Object]],
+    objects: Sequence[tuple[bpy.types.Object, bpy.types.Object]], found: Sequence[Fine | None]
 ) -> tuple[list[str], list[Plan]]:
-    """Return lines on what cannot be baked, and plans for the rest; that has no divisions yet."""
+    """Return lines on what cannot be baked, and plans for the rest; that has no divisions yet.
+
+    ``objects`` with their bakes; ``found``: their faces.
+    """
     refused, plans = [], []
-    found = storage.evaluated([obj for obj, _ in objects])
     for (obj, bake), fine in zip(objects, found, strict=True):
         problem = ""
         if fine is None or not fine.managed.any():
@@ -125,30 +128,47 @@ def refine(
         plan.levels = own
 
 
-def lay_out(plans: Sequence[Plan], around: Geometry, space: Space) -> list[Target]:
-    """Divide objects as planned, and return them with their points, by what hides them."""
+def divide(plans: Sequence[Plan]) -> list[storage.Raw | None]:
+    """Divide objects as planned, and return what their faces are then; None as they were before."""
     divided = [plan for plan in plans if plan.levels.any()]
     for plan in divided:
         storage.write_levels(plan.bake, plan.levels, plan.split & (plan.levels > 0))
     found = dict(zip(map(id, divided), storage.evaluated([p.obj for p in divided]), strict=True))
+    return [found.get(id(plan)) for plan in plans]
+
+
+def lay_out(
+    plans: Sequence[Plan], fines: Sequence[Fine | None], around: Geometry, space: Space
+) -> Generator[float, None, list[Target]]:
+    """Return divided objects with their points, by what hides them, yielding 0 to 1.
+
+    ``fines``: what `divide` has made of each.
+    """
     targets = []
-    for plan in plans:
-        fine = found.get(id(plan), plan.coarse)
-        assert fine is not None  # it had faces just now
+    for plan, divided in zip(plans, fines, strict=True):
+        fine = divided or plan.coarse
         own = around.of(plan.obj.name_full)
         loose = np.zeros(len(plan.levels), bool)
         polygon = around.polygon[own]
         inside = polygon < len(loose)
         loose[polygon[inside]] = ~around.solid[own][inside]
         points = Points(plan.obj, fine, around.origin, around.size)
-        fine = hidden_corners.with_twins(fine, points, space)
+        twins = hidden_corners.with_twins(fine, points, space)
+        fine = yield from mapped(twins, lambda _: len(targets) / len(plans))
         points = Points(plan.obj, fine, around.origin, around.size)
         backs = np.zeros(len(fine.places), bool)
         backs[fine.point] = loose[fine.coarse[fine.face]]
         split = plan.split & (plan.levels > 0)
-        storage.write(plan.obj, plan.bake, fine, plan.levels, split, bool(backs.any()))
+        storage.write(plan.bake, fine, plan.levels, split)
         targets.append(Target(plan.obj.name, fine, points, backs))
+        yield len(targets) / len(plans)
     return targets
+
+
+def show(plans: Sequence[Plan], targets: Sequence[Target]) -> None:
+    """Let objects show what was laid out."""
+    for plan, target in zip(plans, targets, strict=False):
+        storage.show(plan.obj, target.fine, bool(target.backs.any()))
 
 
 def finer(

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import pickle
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...progress import Progress
 from ...spectra.sensitivities import observer
 from ...spectra.working_spaces import DEFAULT_SPACE
 from ...transfer.matrices import Transfer, transfer
@@ -64,14 +65,10 @@ class Light:
 
 
 class SceneLight(Light):
-    """The light of a World and of the lamps in a scene.
+    """The light of a World and of the lamps in a scene, and the World's ``strength``."""
 
-    Raises InputError as `sources.find` does.
-    """
-
-    def __init__(self, world: bpy.types.World, lights: Lights, scene: bpy.types.Scene) -> None:
-        self.sources = sources.find(world, lights, scene)
-        self.strength = sources.strength_of(world)
+    def __init__(self, found: sources.Sources, strength: float) -> None:
+        self.sources, self.strength = found, strength
         self.lamps = self.sources.lamps
         self._known: dict[str, matter.Optics] = {}
 
@@ -102,6 +99,14 @@ class SceneLight(Light):
     @property
     def _transfer(self) -> Transfer:
         return self.sources.transfer
+
+
+def shining_of(
+    world: bpy.types.World, lights: Lights, scene: bpy.types.Scene
+) -> Generator[Progress, None, SceneLight]:
+    """Return the light of a World and its lamps; raises InputError as `sources.finding` does."""
+    found = yield from sources.finding(world, lights, scene)
+    return SceneLight(found, sources.strength_of(world))
 
 
 def _upper() -> NDArray[np.float64]:

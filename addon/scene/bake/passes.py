@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ...progress import Progress, aside, mapped
 from ...transport import directions, rays
 from .collected import Collected, Shading
 
@@ -43,7 +44,8 @@ def collect(
     """Cast passes of ``ends`` rays from a point each, yielding how far that is, 0 to 1, and after
     each pass the colours (n, 3) that light has made, else None.
 
-    ``before``: what an earlier pass has `found`, with which the first is compared. ``slow``:
+    ``before``: what makes points sure of their light, colours (n, 3) and what of the sky is seen,
+    as an earlier pass has found it, with which the first is compared. ``slow``:
     without `embreex` also where it is installed; None: all points cast all passes.
     """
     points = np.arange(len(collected.receivers), dtype=np.int32)
@@ -54,18 +56,17 @@ def collect(
         for done in collected.cast(directions.pattern(end), points, shading):
             yield shares[k] + (shares[k + 1] - shares[k]) * done, None
         left -= end * len(points)
-        now = found(collected, shading)
-        yield shares[k + 1], now[0]
+        step = Progress(shares[k + 1], "")
+        colours = yield from mapped(
+            aside(step, collected.colours, shading), lambda each: (each.done, None)
+        )
+        now = [colours, collected.seen]
+        yield shares[k + 1], colours
         if before is not None and slow is not None and k + 1 < len(ends):
             points = _unsure(points, now, before, int(left) // ends[k + 1])
             if not len(points):
                 return
         before = now
-
-
-def found(collected: Collected, shading: Shading) -> list[NDArray[np.float32]]:
-    """Return what makes points sure of their light: colours (n, 3), what of the sky is seen."""
-    return [collected.colours(shading), collected.seen]
 
 
 def rays_of(points: int, slow: bool = False) -> list[int]:

@@ -174,7 +174,7 @@ class PlacedMeshes:
 
 
 def gather(depsgraph: bpy.types.Depsgraph) -> PlacedMeshes:
-    """Gather what `geometry.gather` does of an evaluated scene, each mesh once."""
+    """Gather what `geometry.gathering` does of an evaluated scene, each mesh once."""
     known: dict[Any, int | None] = {}
     materials: dict[str, int] = {"": 0}
     triangles, material = [np.empty((0, 3, 3))], [np.empty(0, np.int64)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass, field
 
 import bpy
@@ -85,7 +85,7 @@ class Receivers:
     ``places``, ``normals`` (n, 3) and ``kind`` (n,), each point's number among ``materials``.
     """
 
-    def __init__(self, targets: Sequence[Target], materials: Sequence[str], space: Space) -> None:
+    def __init__(self, targets: Sequence[Target], materials: Sequence[str]) -> None:
         self.targets = list(targets)
         number = {name: k for k, name in enumerate(materials)}
         places, normals, kinds, covers = [], [], [], []
@@ -109,14 +109,19 @@ class Receivers:
         self.places = np.concatenate([*places, none])[order]
         self.normals = np.concatenate([*normals, none])[order]
         self.kind = kind[order]
-        cover = np.concatenate([*covers, np.empty(0)])[order]
-        self.hidden, _ = space.hidden(self.places, self.normals, cover)
+        self.cover = np.concatenate([*covers, np.empty(0)])[order]
+        self.hidden = np.zeros(len(order), bool)
+        """(n,), whether something lies so near over a point that it has no light of its own."""
         back = np.empty(len(order), np.int32)
         back[order] = np.arange(len(order))
         first = 0
         for target, side, chosen in spans:
             target.numbers[side] = chosen, back[first : first + len(chosen)]
             first += len(chosen)
+
+    def look(self, space: Space) -> Generator[float, None, None]:
+        """Find which are `hidden`, yielding 0 to 1."""
+        self.hidden, _ = yield from space.hiding(self.places, self.normals, self.cover)
 
     def __len__(self) -> int:
         return len(self.places)

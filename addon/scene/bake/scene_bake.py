@@ -8,6 +8,7 @@ whose surroundings have changed.
 from __future__ import annotations
 
 from collections.abc import Collection, Generator
+from dataclasses import replace
 from functools import partial
 
 import bpy
@@ -15,7 +16,7 @@ import numpy as np
 
 from ... import tags
 from ...grouping import grouped
-from ...progress import Progress, mapped
+from ...progress import Progress, aside, mapped, run
 from . import geometry, instance_proxies, session, storage, surroundings
 from . import light as light_of_scene
 from .estimate import estimate
@@ -129,7 +130,7 @@ def bake(
         for number, (some, spread) in enumerate(stages):
             chosen = some + (instance_proxies.spread(spread, is_managed) if spread else [])
             if changed_only and chosen:
-                chosen = _stale(chosen)
+                chosen = yield from _staling(chosen)
             refused = {obj: why for obj in chosen if (why := _hindrance(obj))}
             lines += grouped(((f'"{obj.name}"', why) for obj, why in refused.items()), "object")
             chosen = [obj for obj in chosen if obj not in refused]
@@ -154,7 +155,7 @@ def _part(number: int, stages: int, step: Progress) -> Progress:
     """How far a step of one of some stages is in all of them; the first of two is a tenth."""
     if stages == 1:
         return step
-    return Progress(0.1 * step.done if number == 0 else 0.1 + 0.9 * step.done, step.line)
+    return replace(step, done=0.1 * step.done if number == 0 else 0.1 + 0.9 * step.done)
 
 
 def _real(
@@ -223,7 +224,17 @@ def stale() -> list[bpy.types.Object]:
     Those that cannot be baked are none, but for what is being edited. It evaluates the scene: for a
     button, not for a panel's drawing.
     """
-    return [obj for obj in _stale(targets()) if obj.mode != "OBJECT" or not _hindrance(obj)]
+    return [obj for obj in run(finding_stale()) if is_waiting(obj)]
+
+
+def finding_stale() -> Generator[Progress, None, list[bpy.types.Object]]:
+    """Find what is `stale`, and what cannot be baked either, yielding now and then."""
+    return (yield from _staling(targets()))
+
+
+def is_waiting(obj: bpy.types.Object) -> bool:
+    """Whether an object could have a bake, now or after it was edited."""
+    return obj.mode != "OBJECT" or not _hindrance(obj)
 
 
 def relighting(light: light_of_scene.Light) -> Generator[Progress, None, list[str]]:
@@ -240,13 +251,16 @@ def relighting(light: light_of_scene.Light) -> Generator[Progress, None, list[st
     return lines
 
 
-def _stale(objects: Collection[bpy.types.Object]) -> list[bpy.types.Object]:
-    """Those of some objects without a bake, or whose bake is not of what they see now."""
+def _staling(
+    objects: Collection[bpy.types.Object],
+) -> Generator[Progress, None, list[bpy.types.Object]]:
+    """Find those of some objects without a bake, or whose bake is not of what they see now."""
     lit = {obj.name_full: bake for obj in objects if (bake := storage.lit_bake_of(obj)) is not None}
     if not lit:
         return list(objects)
-    around = geometry.gather(bpy.context.evaluated_depsgraph_get())
-    changed = surroundings.changed(lit, surroundings.signatures(around), around.size)
+    around = yield from geometry.gathering()
+    found = yield from aside(geometry.GATHERING, surroundings.signatures, around)
+    changed = surroundings.changed(lit, found, around.size)
     return [obj for obj in objects if obj.name_full not in lit or obj.name_full in changed]
 
 

@@ -15,26 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....node_groups import baked_light
-from ...progress import Progress
-from ...transport.cells import Cells, levels_for, pieces
+from ...progress import Progress, aside, mapped
+from ...transport.cells import Cells
 from ...transport.hits import Space
 from ...transport.radiosity import Radiosity
-from . import geometry, layout, passes, storage, surroundings
+from . import colours as coloured
+from . import geometry, layout, passes, patches, storage, surroundings
 from .collected import Collected, Shading
 from .light import Light
-from .receivers import Points, Receivers, Target, filled
+from .receivers import Points, Receivers, Target
 from .shelf import Shelf, there
-
-PATCHES = 20_000, 60_000
-"""At most so many at first and at last, where a scene has no more triangles."""
-
-SENT = 64, 128
-"""Rays from each side of a patch, at first and at last, at most …"""
-
-ALL_SENT = 4e6, 1.6e7
-"""… and from all of them; but at least `LEAST_SENT` from each."""
-
-LEAST_SENT = 16
 
 FIRST = 64
 """Rays from points for a first light, where users say how many at last."""
@@ -86,46 +76,65 @@ def baking(
     shelf = Shelf(objects)
     laid_out: set[str] | None = None
     try:
-        lines, plans = layout.begin(list(zip(objects, shelf.bakes, strict=True)))
+        raw = storage.evaluated(objects)
+        read = yield from geometry.reading()
+        shelf.show_old()
+        at_first = Progress(0.0, "geometry")
+        fines = yield from aside(at_first, storage.brought, raw)
+        lines, plans = layout.begin(list(zip(objects, shelf.bakes, strict=True)), fines)
         if not plans:
             laid_out = set()
             shelf.clear()
             return lines, 0
-        around = geometry.gather(bpy.context.evaluated_depsgraph_get())
-        found = surroundings.signatures(around)
-        surfaces = around.surfaces
+        around = yield from aside(at_first, geometry.assembled, read)
+        found = yield from aside(at_first, surroundings.signatures, around)
+        small = layout.SMALL * around.size
         matter = light.matter(around.materials)
-        shelf.show_old()
-        levels = levels_for(
-            surfaces, layout.START * around.size, PATCHES[0], layout.SMALL * around.size
+        levels, parts, of_parts, triangle, cells = yield from aside(
+            at_first, patches.first_cells, around
         )
-        parts, of_parts, triangle = pieces(surfaces, levels)
-        space = Space(Cells.of(parts, of_parts, layout.SMALL * around.size), matter, slow)
+        space = Space(cells, matter, slow)
         coarse = Radiosity(space)
-        for done in coarse.cast(_sent(coarse, 0), alike=True):
-            yield Progress(0.2 * done, "light between surfaces")
-        coarse.solve(light.sky, np.zeros_like(coarse.E))
+        for done in coarse.cast(patches.sent(coarse, 0), alike=True):
+            yield Progress(0.15 * done, patches.BETWEEN)
+        at = Progress(0.15, patches.BETWEEN)
+        yield from aside(at, coarse.solve, light.sky, np.zeros_like(coarse.E))
         bend = np.zeros(len(levels))
         np.maximum.at(bend, triangle, layout.bends(coarse))
         layout.refine(plans, around, bend, levels, how.tolerance)
         shelf.show_new()
-        targets = layout.lay_out(plans, around, space)
+        raw = layout.divide(plans)
         own = set(objects)
         others = [obj for obj in bpy.data.objects if obj not in own and storage.is_lit(obj)]
-        targets += _kept_targets(others, around)
+        kept = storage.evaluated(others)
         shelf.show_old()
-        receivers = Receivers(targets, around.materials, space)
+        fines = yield from aside(at, storage.brought, raw)
+        targets = yield from mapped(
+            layout.lay_out(plans, fines, around, space),
+            lambda done: Progress(0.15 + 0.04 * done, "geometry"),
+        )
+        others_fine = yield from aside(at, storage.brought, kept)
+        shelf.show_new()
+        layout.show(plans, targets)
+        shelf.show_old()
+        targets += _kept_targets(others, others_fine, around)
+        receivers = Receivers(targets, around.materials)
+        for done in receivers.look(space):
+            yield Progress(0.19 + 0.01 * done, "geometry")
         points = f"{len(receivers):,} points"
         each = passes.rays_of(len(receivers), slow) if count is None else [FIRST, count]
         # A first light of coarse patches and few rays, and from then on ever better ones.
         collected = Collected(receivers, space)
         session = _Session(0, around.origin, around.materials, coarse, collected)
-        shading = _shading(session, light)
-        for done, _ in passes.collect(collected, shading, each[:1]):
+        at = Progress(0.2, points)
+        shading = yield from _shading(session, light, at)
+        for done, colours in passes.collect(collected, shading, each[:1]):
+            if colours is not None:
+                before = [colours, collected.seen]
             yield Progress(0.2 + 0.05 * done, points)
-        before = passes.found(collected, shading)
+        values = yield from aside(at, coloured.of, collected, before[0])
         shelf.show_new()
-        _write(session, before[0])
+        coloured.write(values)
         laid_out = {plan.obj.name for plan in plans}
         shelf.clear()
         # Others that were baked before now have the light of what stands here too.
@@ -136,20 +145,26 @@ def baking(
         if how.first_only:
             return lines, len(plans)
         # With what lamps light, which is stored nowhere, but sent on from there.
-        finer = layout.finer(parts, of_parts, layout.bends(coarse), how.tolerance, PATCHES[1])
-        space = Space(Cells.of(parts, finer, layout.SMALL * around.size), matter, slow)
+        at = Progress(0.25, patches.BETWEEN)
+        finer = layout.finer(
+            parts, of_parts, layout.bends(coarse), how.tolerance, patches.PATCHES[1]
+        )
+        cells = yield from aside(at, Cells.of, parts, finer, small)
+        space = Space(cells, matter, slow)
         del coarse, session
         radiosity = Radiosity(space)
-        for done in radiosity.cast(_sent(radiosity, 1)):
-            yield Progress(0.25 + 0.35 * done, "light between surfaces")
+        for done in radiosity.cast(patches.sent(radiosity, 1)):
+            yield Progress(0.25 + 0.35 * done, patches.BETWEEN)
         collected = Collected(receivers, space)
         session = _Session(0, around.origin, around.materials, radiosity, collected)
-        shading = _shading(session, light)
+        at = Progress(0.6, patches.BETWEEN)
+        shading = yield from _shading(session, light, at)
         speed = slow if count is None else None
         last = before[0]
         for done, colours in passes.collect(collected, shading, each[1:], before, speed):
             if colours is not None:
-                _write(session, colours)
+                at = Progress(0.6 + 0.4 * done, points)
+                coloured.write((yield from aside(at, coloured.of, session.collected, colours)))
                 session.noise = float(np.abs(colours - last).sum() / max(colours.sum(), 1e-30))
                 last = colours
             yield Progress(0.6 + 0.4 * done, points)
@@ -163,12 +178,6 @@ def baking(
                 obj for obj in there(objects) if obj.name not in laid_out or not storage.is_lit(obj)
             )
     return lines, len(plans)
-
-
-def _sent(radiosity: Radiosity, stage: int) -> int:
-    """How many rays go from each side of a patch, a power of 2."""
-    each = ALL_SENT[stage] / max(len(radiosity.patch), 1)
-    return int(np.clip(2 ** np.floor(np.log2(max(each, 1.0))), LEAST_SENT, SENT[stage]))
 
 
 def relighting(
@@ -186,8 +195,9 @@ def relighting(
         lines.append("the bake's rays are not in memory: they were cast again")
     elif session.light == light.key(session.materials):
         return lines
-    yield Progress(0.3, "light between surfaces")
-    shading, collected = _shading(session, light), session.collected
+    at = Progress(0.3, patches.BETWEEN)
+    yield at
+    shading, collected = (yield from _shading(session, light, at)), session.collected
     if collected.kept is None:
         collected = Collected(collected.receivers, session.radiosity.space)
         each = passes.rays_of(len(collected.receivers))
@@ -195,9 +205,11 @@ def relighting(
             yield Progress(0.3 + 0.65 * done, f"{len(collected.receivers):,} points")
         session.collected = collected
     else:
-        collected.relight(shading)
-    yield Progress(0.95, "all light")
-    _write(session, collected.colours(shading))
+        yield from aside(at, collected.relight, shading)
+    at = Progress(0.95, "all light")
+    yield at
+    colours = yield from aside(at, collected.colours, shading)
+    coloured.write((yield from aside(at, coloured.of, session.collected, colours)))
     session.light = light.key(session.materials)
     _last[:] = [session]
     return lines
@@ -207,9 +219,13 @@ def _cast_anew(
     objects: Sequence[bpy.types.Object], light: Light
 ) -> Generator[Progress, None, _Session]:
     """Return what is needed to light objects that were laid out before, of receivers no rays."""
-    around = geometry.gather(bpy.context.evaluated_depsgraph_get())
-    radiosity = yield from _cast_between(around, light)
-    receivers = Receivers(_kept_targets(objects, around), around.materials, radiosity.space)
+    around = yield from geometry.gathering()
+    radiosity = yield from patches.casting(around, light)
+    at = Progress(0.3, patches.BETWEEN)
+    fines = yield from aside(at, storage.brought, storage.evaluated(objects))
+    receivers = Receivers(_kept_targets(objects, fines, around), around.materials)
+    for _ in receivers.look(radiosity.space):
+        yield at
     collected = Collected(receivers, radiosity.space)
     collected.kept = None
     return _Session(scene_key(), around.origin, around.materials, radiosity, collected)
@@ -222,8 +238,8 @@ def casting(
 
     Returns the origin (3,) of the geometry, the full names of its materials, and the patches.
     """
-    around = geometry.gather(bpy.context.evaluated_depsgraph_get())
-    radiosity = yield from _cast_between(around, light)
+    around = yield from geometry.gathering()
+    radiosity = yield from patches.casting(around, light)
     return around.origin, around.materials, radiosity
 
 
@@ -234,27 +250,15 @@ def remembered(key: int) -> tuple[NDArray, list[str], Radiosity] | None:
     return _last[0].origin, _last[0].materials, _last[0].radiosity
 
 
-def _cast_between(around: geometry.Geometry, light: Light) -> Generator[Progress, None, Radiosity]:
-    """Return the patches of what stands in a scene, with their rays cast."""
-    surfaces = around.surfaces
-    levels = levels_for(
-        surfaces, layout.START * around.size, PATCHES[1], layout.SMALL * around.size
-    )
-    cells = Cells.of(surfaces, levels, layout.SMALL * around.size)
-    radiosity = Radiosity(Space(cells, light.matter(around.materials)))
-    for done in radiosity.cast(_sent(radiosity, 1)):
-        yield Progress(0.3 * done, "light between surfaces")
-    return radiosity
-
-
-def _shading(session: _Session, light: Light) -> Shading:
+def _shading(session: _Session, light: Light, at: Progress) -> Generator[Progress, None, Shading]:
     """What makes colours of a light that has gone round."""
     radiosity = session.radiosity
     matter = light.matter(session.materials)
     radiosity.take(matter)
     lamps = [lamp.seen_from(session.origin) for lamp in light.lamps]
-    table, tells, _ = radiosity.solve(light.sky, radiosity.lit_by(lamps))
-    return Shading.of(light, session.materials, table, tells)
+    direct = yield from mapped(radiosity.lit_by(lamps), lambda _: at)
+    table, tells, _ = yield from aside(at, radiosity.solve, light.sky, direct)
+    return (yield from aside(at, Shading.of, light, session.materials, table, tells))
 
 
 def account() -> str:
@@ -277,36 +281,14 @@ def is_lit_by(light: Light) -> bool:
     return bool(_last) and _last[0].light == light.key(_last[0].materials)
 
 
-def _write(session: _Session, colours: NDArray[np.float32]) -> None:
-    """Leave on all objects their colours."""
-    told = session.collected.told
-    objects = {obj.name: obj for obj in bpy.data.objects if obj.library is None}
-    for target in session.collected.receivers.targets:
-        obj = objects[target.name]
-        bake = storage.bake_of(obj)
-        assert bake is not None  # else it is no target
-        for side, name in ((1.0, baked_light.LIGHT), (-1.0, baked_light.BEHIND)):
-            points, numbers = target.numbers[side]
-            if side < 0 and not target.backs.any():
-                continue
-            values = np.zeros((len(target.fine.places), 4), np.float32)
-            share = np.zeros(len(values))
-            values[points, :3], share[points] = colours[numbers], told[numbers]
-            values[points, 3] = baked_light.FLAG
-            values[len(values) - len(target.fine.twin_of) :, 3] = baked_light.FLAG
-            values[:, :3] = filled(target.fine, values[:, :3], share)
-            storage.write_attribute(bake, name, values)
-        bake.data.update()
-        bake.update_tag()
-        obj.update_tag()
-
-
-def _kept_targets(objects: Sequence[bpy.types.Object], around: geometry.Geometry) -> list[Target]:
-    """Objects as they were laid out before."""
-    if not objects:
-        return []
+def _kept_targets(
+    objects: Sequence[bpy.types.Object],
+    fines: Sequence[storage.Fine | None],
+    around: geometry.Geometry,
+) -> list[Target]:
+    """Objects as they were laid out before; ``fines``: as they are now."""
     targets = []
-    for obj, fine in zip(objects, storage.evaluated(objects), strict=True):
+    for obj, fine in zip(objects, fines, strict=True):
         bake = storage.bake_of(obj)
         if fine is None or bake is None:
             continue

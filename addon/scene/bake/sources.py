@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Generator
 from dataclasses import dataclass
 
 import bpy
@@ -10,6 +11,7 @@ import numpy as np
 from mathutils import Euler
 from numpy.typing import NDArray
 
+from ...progress import Progress, aside
 from ...spectra.grid import WEIGHTS
 from ...spectra.sensitivities import cmfs
 from ...transfer.ground import split
@@ -69,8 +71,10 @@ class Sources:
         return self.bands.colours(rho, self.transfer.S_out) / self.transfer.neutral[:, None]
 
 
-def find(world: bpy.types.World, lights: Lights, scene: bpy.types.Scene) -> Sources:
-    """Return what shines on a scene by a World and its lamps.
+def finding(
+    world: bpy.types.World, lights: Lights, scene: bpy.types.Scene
+) -> Generator[Progress, None, Sources]:
+    """Find what shines on a scene by a World and its lamps.
 
     Raises InputError as `hdri.sky_of` does.
     """
@@ -81,20 +85,6 @@ def find(world: bpy.types.World, lights: Lights, scene: bpy.types.Scene) -> Sour
     if lights.sun is not None:
         day = day + lights.sun.spectrum
     bands = Bands(np.maximum(day, 0.01 * day.mean()) if day.any() else np.ones(81))
-    upper, lower = split(light.sky)
-    rgb = directions.sphere(upper, to_panorama).astype(float)
-    ground, below = np.zeros(len(rgb)), np.zeros(81)
-    if lights.ground is None:
-        rgb = rgb + directions.sphere(lower, to_panorama)
-    else:
-        below = lights.ground.spectrum
-        if lights.ground.choice == "modelled":
-            ground[directions.SKY // 2 :] = 1.0
-        elif lights.ground.choice == "hdri":
-            seen = directions.sphere(lower, to_panorama) @ _luminance(transfer)
-            ways, solid = directions.centres()
-            shape = np.maximum(-ways[:, 2], 0.0) * solid / np.pi
-            ground = seen / max(float(seen @ shape), 1e-30)
     lamps = []
     sunny = lights.sun is not None and light.sun is not None
     if lights.sun is not None and light.sun is not None:
@@ -102,7 +92,32 @@ def find(world: bpy.types.World, lights: Lights, scene: bpy.types.Scene) -> Sour
         lamps.append(Direct(None, towards, bands.light(lights.sun.spectrum).astype(np.float32)))
     if lights.lamps is not None:
         lamps += _lamps(lights.lamps, bands, transfer, strength_of(world))
+    step = Progress(0.0, "the sky")
+    rgb, ground, below = yield from aside(step, _sky, lights, to_panorama)
     return Sources(transfer, bands, rgb, ground, below, lamps, sunny)
+
+
+def _sky(
+    lights: Lights, to_panorama: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """The sky's cells and the ground, as `Sources` has them."""
+    transfer = lights.transfer
+    upper, lower = split(lights.light.sky)
+    both = directions.sphere(np.concatenate([upper, lower], axis=2), to_panorama)
+    rgb, under = both[:, :3].astype(float), both[:, 3:].astype(float)
+    ground, below = np.zeros(len(rgb)), np.zeros(81)
+    if lights.ground is None:
+        rgb = rgb + under
+    else:
+        below = lights.ground.spectrum
+        if lights.ground.choice == "modelled":
+            ground[directions.SKY // 2 :] = 1.0
+        elif lights.ground.choice == "hdri":
+            seen = under @ _luminance(transfer)
+            ways, solid = directions.centres()
+            shape = np.maximum(-ways[:, 2], 0.0) * solid / np.pi
+            ground = seen / max(float(seen @ shape), 1e-30)
+    return rgb, ground, below
 
 
 def strength_of(world: bpy.types.World) -> float:

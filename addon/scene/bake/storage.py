@@ -146,7 +146,22 @@ class Fine:
         return total / np.diff(self.starts).reshape(-1, *[1] * (of_corners.ndim - 1))
 
 
-def evaluated(objects: Sequence[bpy.types.Object]) -> list[Fine | None]:
+@dataclass
+class Raw:
+    """An evaluated mesh's arrays as Blender has them, and the full names and whether managed of its
+    slots' materials; ``faces``: numbers before subdivision."""
+
+    vertex: NDArray[np.int32]
+    starts: NDArray[np.int32]
+    slots: NDArray[np.int32]
+    faces: NDArray[np.int32]
+    places: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    materials: list[str] = field(default_factory=lambda: [""])
+    managed: list[bool] = field(default_factory=lambda: [False])
+
+
+def evaluated(objects: Sequence[bpy.types.Object]) -> list[Raw | None]:
     """The faces of objects after their modifiers, ours the last; None for those without a face."""
     if not objects:
         return []
@@ -158,8 +173,7 @@ def evaluated(objects: Sequence[bpy.types.Object]) -> list[Fine | None]:
         for instance in depsgraph.object_instances:
             if instance.object.type == "MESH" and instance.object.original.type != "MESH":
                 made.setdefault(instance.object.original.name_full, instance.object.data)
-    found: list[Fine | None] = []
-    known: dict[bytes, Fine] = {}
+    found: list[Raw | None] = []
     for obj in objects:
         shown = obj.evaluated_get(depsgraph)
         mesh = shown.data if obj.type == "MESH" else made.get(obj.name_full)
@@ -169,19 +183,25 @@ def evaluated(objects: Sequence[bpy.types.Object]) -> list[Fine | None]:
         # Of the evaluated mesh, for instances that became real bring their materials along.
         slots = [slot.material for slot in shown.material_slots] if obj.type == "MESH" else []
         materials = slots or list(mesh.materials) or [None]
-        fine = read(mesh, len(materials), known)
-        fine.materials = [each.name_full if each else "" for each in materials]
-        managed = [each is not None and tags.MATERIAL in each for each in materials]
-        fine.managed = np.array(managed)[fine.slots]
-        found.append(fine)
+        raw = _raw(mesh)
+        raw.materials = [each.name_full if each else "" for each in materials]
+        raw.managed = [each is not None and tags.MATERIAL in each for each in materials]
+        found.append(raw)
     return found
 
 
-def read(mesh: bpy.types.Mesh, materials: int = 1, known: dict[bytes, Fine] | None = None) -> Fine:
-    """The faces of an evaluated mesh with so many materials that came through the modifier.
+def brought(found: Sequence[Raw | None]) -> list[Fine | None]:
+    """What `evaluated` meshes are to a bake; linked duplicates share what is found."""
+    known: dict[bytes, Fine] = {}
+    return [None if raw is None else _fine(raw, known) for raw in found]
 
-    ``known``: others by their content: linked duplicates and instances share what is found.
-    """
+
+def read(mesh: bpy.types.Mesh) -> Fine:
+    """The faces of an evaluated mesh that came through the modifier, all of one material."""
+    return _fine(_raw(mesh), {})
+
+
+def _raw(mesh: bpy.types.Mesh) -> Raw:
     corners, faces = len(mesh.loops), len(mesh.polygons)
     vertex, starts = np.empty(corners, np.int32), np.empty(faces, np.int32)
     slots, coarse = np.empty(faces, np.int32), np.arange(faces, dtype=np.int32)
@@ -194,13 +214,21 @@ def read(mesh: bpy.types.Mesh, materials: int = 1, known: dict[bytes, Fine] | No
     mesh.corner_normals.foreach_get("vector", normals)
     if sky_bake.FACE in mesh.attributes:
         mesh.attributes[sky_bake.FACE].data.foreach_get("value", coarse)
+    return Raw(vertex, starts, slots, coarse, places, normals)
+
+
+def _fine(raw: Raw, known: dict[bytes, Fine]) -> Fine:
+    """A mesh as a bake sees it; ``known``: others by their content."""
+    arrays = raw.vertex, raw.starts, raw.slots, raw.faces, raw.places, raw.normals
+    materials = len(raw.materials)
     digest = hashlib.blake2b(str(materials).encode())
-    for values in (vertex, starts, slots, coarse, places, normals):
+    for values in arrays:
         digest.update(values.tobytes())
-    known = {} if known is None else known
     if digest.digest() not in known:
-        known[digest.digest()] = _brought(vertex, starts, slots, coarse, places, normals, materials)
-    return replace(known[digest.digest()])
+        known[digest.digest()] = _brought(*arrays, materials)
+    fine = replace(known[digest.digest()], materials=raw.materials)
+    fine.managed = np.array(raw.managed)[fine.slots]
+    return fine
 
 
 def _brought(vertex, starts, slots, coarse, places, normals, materials) -> Fine:
@@ -261,14 +289,12 @@ def write_levels(bake: bpy.types.Object, levels: NDArray, split: NDArray) -> Non
 
 
 def write(
-    obj: bpy.types.Object,
     bake: bpy.types.Object,
     fine: Fine,
     levels: NDArray,
     split: NDArray,
-    backs: bool,
 ) -> None:
-    """Lay a bake out for the points of an object; ``backs``: whether any has light behind it.
+    """Lay a bake out for the points of an object, which shows it after `show`.
 
     It is lit by `write_attribute`.
     """
@@ -294,8 +320,13 @@ def write(
     for name in (".select_vert", ".select_edge", ".select_poly"):
         if name in mesh.attributes:
             mesh.attributes.remove(mesh.attributes[name])
+
+
+def show(obj: bpy.types.Object, fine: Fine, backs: bool) -> None:
+    """Let an object show the bake that was laid out for its points; ``backs``: whether any has
+    light behind it."""
     near = sky_bake.NEAR * float(np.ptp(fine.places, axis=0).max())
-    modifiers.set_inputs(modifier_of(obj), Faces=points, Near=near, Back=backs)
+    modifiers.set_inputs(modifier_of(obj), Faces=len(fine.places), Near=near, Back=backs)
 
 
 def write_attribute(bake: bpy.types.Object, name: str, values: NDArray) -> None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import contextlib
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...progress import on_main
 from ...sky.exr_file import Decode, decode_by_openexr, quiet, read_exr
 from ...sky.panorama import Panorama, read_panorama
 
@@ -35,10 +37,18 @@ def decode_by_blender(path: Path, names: tuple[str, ...]) -> NDArray[np.float32]
     Channels that keep other names (`sky.exr_plain`) are a layer that Blender has to take out.
     Raises ValueError where Blender cannot unpack them.
     """
+    if not {*names} <= _PLACES.keys():
+        return on_main(partial(_combined, path, names))
+    pixels = on_main(partial(_loaded, path))[::-1]
+    if pixels.shape[2] == 1:
+        return np.ascontiguousarray(pixels)
+    return np.ascontiguousarray(pixels[..., [_PLACES[name] for name in names]])
+
+
+def _loaded(path: Path) -> NDArray[np.float32]:
+    """The numbers of a plain file, (h, w, k), bottom row first."""
     import bpy
 
-    if not {*names} <= _PLACES.keys():
-        return _combined(path, names)
     with quiet():
         image = bpy.data.images.load(str(path))
         try:
@@ -48,12 +58,9 @@ def decode_by_blender(path: Path, names: tuple[str, ...]) -> NDArray[np.float32]
                 raise ValueError(f"Blender {bpy.app.version_string} cannot unpack it")
             pixels = np.empty(width * height * image.channels, np.float32)
             image.pixels.foreach_get(pixels)
-            pixels = pixels.reshape(height, width, image.channels)[::-1]
+            return pixels.reshape(height, width, image.channels)
         finally:
             bpy.data.images.remove(image)
-    if pixels.shape[2] == 1:
-        return np.ascontiguousarray(pixels)
-    return np.ascontiguousarray(pixels[..., [_PLACES[name] for name in names]])
 
 
 def _combined(path: Path, names: tuple[str, ...]) -> NDArray[np.float32]:

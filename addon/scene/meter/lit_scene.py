@@ -7,16 +7,17 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
+from functools import partial
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...progress import Progress
+from ...progress import Progress, aside, mapped
 from ...transport import rays
 from ...transport.meter import Field
 from ...transport.radiosity import Radiosity
-from ..bake import session
+from ..bake import patches, session
 from ..bake.light import SceneLight
 
 RAYS = 2048, 65536
@@ -43,7 +44,7 @@ class LitScene:
 
         In units of the HDRI as the scene shows it, before any balancing.
         """
-        field = self._lit(light)
+        field = yield from self._lit(light)
         at = np.asarray(places, float) - self.origin
         each = BUDGET[not rays.fast()] / max(len(at), 1)
         count = int(2 ** np.clip(np.round(np.log2(each)), *np.log2(RAYS)))
@@ -62,12 +63,15 @@ class LitScene:
             np.concatenate([*told, np.empty(0)]),
         )
 
-    def _lit(self, light: SceneLight) -> Field:
+    def _lit(self, light: SceneLight) -> Generator[Progress, None, Field]:
         radiosity = self.radiosity
         radiosity.take(light.matter(self.materials))
         lamps = [lamp.seen_from(self.origin) for lamp in light.lamps]
+        at = Progress(0.5, patches.BETWEEN)
+        direct = yield from mapped(radiosity.lit_by(lamps), lambda _: at)
         # A meter stands where there is room: what is dark around it is a dark room.
-        table, tells, _ = radiosity.solve(light.sky, radiosity.lit_by(lamps), leaks=False)
+        solve = partial(radiosity.solve, leaks=False)
+        table, tells, _ = yield from aside(at, solve, light.sky, direct)
         channels = light.channels.astype(np.float32)
         return Field(radiosity.space, table, tells, channels, lamps)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from mathutils import Euler
 from ....node_groups import spectral_matrix
 from ....node_groups import tree as groups
 from ...errors import InputError
+from ...progress import Progress, run
 from ..blend_data import nodes, working_space
 from . import own_worlds, sky_image
 
@@ -148,6 +150,13 @@ def value_path(world: bpy.types.World, node: str | None, socket: str) -> str | N
 
 
 def set_sky(scene: bpy.types.Scene, path: str | Path, raw: bool = False) -> bpy.types.World:
+    """Light a scene by an HDRI file and return its World, as `setting_sky` does."""
+    return run(setting_sky(scene, path, raw))
+
+
+def setting_sky(
+    scene: bpy.types.Scene, path: str | Path, raw: bool = False
+) -> Generator[Progress, None, bpy.types.World]:
     """Light a scene by an HDRI file and return its World.
 
     The scene's World is kept where its image shows that file already. Otherwise the scene gets a
@@ -157,7 +166,7 @@ def set_sky(scene: bpy.types.Scene, path: str | Path, raw: bool = False) -> bpy.
     """
     path = Path(path).resolve()
     shown = None if scene.world is None else sky_of(scene.world).image
-    image = sky_image.load(path, raw, shown)
+    image = yield from sky_image.loading(path, raw, shown)
     return scene.world if image == shown else show(scene, image)
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Generator
 from dataclasses import replace
 
 import bpy
 import numpy as np
 
 from ...errors import InputError
+from ...progress import Progress, aside, run
 from ...sky.known_spectrum import KnownSpectrum
 from ...sky.light import SkyLight, analyse
 from ...sky.panorama import from_pixels
@@ -20,8 +22,18 @@ from . import hdri as worlds
 CUT_OFF = "its image has 8 bits per channel and clips light above white; use an .exr or .hdr"
 
 
+ANALYZING = Progress(0.0, "the sky")
+
+
 def light_of(world: bpy.types.World | None, sensors: np.ndarray) -> SkyLight:
-    """The light of a World, taken apart; what it follows live is not in it (`hdri.WorldSky`).
+    """The light of a World, as `analyzing` finds it."""
+    return run(analyzing(world, sensors))
+
+
+def analyzing(
+    world: bpy.types.World | None, sensors: np.ndarray
+) -> Generator[Progress, None, SkyLight]:
+    """Take the light of a World apart; what it follows live is not in it (`hdri.WorldSky`).
 
     ``sensors`` (3, 81) as in `sky.light.analyse`. Raises InputError where `hdri.sky_of`,
     `pixels_of`, `capture.bake` and `sky.panorama.from_pixels` do.
@@ -32,19 +44,16 @@ def light_of(world: bpy.types.World | None, sensors: np.ndarray) -> SkyLight:
     signs = [sky.line] if sky.line else []
     spectrum = None
     if sky.image is not None and (sky.image.is_float or not sky.image.has_data):
-        pixels = pixels_of(sky.image)
+        pixels = yield from reading(sky.image)
         signs += sky_image.notes(sky.image)
         spectrum = sky_image.spectrum(sky.image)
     else:
         signs += [CUT_OFF] if sky.image is not None else []
         pixels, frame = capture.bake(world, sky)
         signs += [f"the World is animated: its light is that of frame {frame}"] if frame else []
-    found = _analysed(pixels, name, sensors, spectrum)
-    return replace(
-        found,
-        signs=(*signs, *found.signs),
-        known_elevation=_sun_elevation(world, sky),
-    )
+    elevation = _sun_elevation(world, sky)
+    found = yield from aside(ANALYZING, _analysed, pixels, name, sensors, spectrum)
+    return replace(found, signs=(*signs, *found.signs), known_elevation=elevation)
 
 
 def _sun_elevation(world: bpy.types.World, sky: worlds.WorldSky) -> float | None:
@@ -73,7 +82,12 @@ _last: dict[bytes, SkyLight] = {}  # of the last sky, by a hash of its numbers: 
 
 
 def pixels_of(image: bpy.types.Image) -> np.ndarray:
-    """The pixels of an HDRI as float32 RGB (h, w, 3), top row first, in the file's working space.
+    """The pixels of an HDRI, as `reading` reads them."""
+    return run(reading(image))
+
+
+def reading(image: bpy.types.Image) -> Generator[Progress, None, np.ndarray]:
+    """Read the pixels of an HDRI as float32 RGB (h, w, 3), top row first, in the working space.
 
     Blender has then applied the image's colour space (none for Non-Color); packed, external
     and linked images give the same. Of several layers it is the one that `sky.exr_layers` chooses.
@@ -81,6 +95,7 @@ def pixels_of(image: bpy.types.Image) -> np.ndarray:
     """
     place = f'image "{image.name}"'
     width, height = image.size  # asking makes Blender load the file
+    yield ANALYZING
     if image.type == "MULTILAYER":
         raw = image.colorspace_settings.is_data
         matrix = np.eye(3) if raw else rec709_to_working(working_space.name())
@@ -93,7 +108,11 @@ def pixels_of(image: bpy.types.Image) -> np.ndarray:
     sky_image.check_whole(image)
     pixels = np.empty(width * height * image.channels, dtype=np.float32)
     image.pixels.foreach_get(pixels)
-    pixels = pixels.reshape(height, width, image.channels)[::-1]
-    if image.channels == 1:
-        pixels = np.repeat(pixels, 3, axis=2)
-    return np.ascontiguousarray(pixels[:, :, :3])
+    yield ANALYZING
+    return (yield from aside(ANALYZING, _rgb, pixels.reshape(height, width, image.channels)))
+
+
+def _rgb(pixels: np.ndarray) -> np.ndarray:
+    """The three channels (h, w, 3) of an image, bottom row first, of one or more channels."""
+    rgb = np.repeat(pixels, 3, axis=2) if pixels.shape[2] == 1 else pixels[:, :, :3]
+    return np.ascontiguousarray(rgb[::-1])

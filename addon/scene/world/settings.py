@@ -48,8 +48,10 @@ class Settings:
     gloss: bool = False
     """Whether materials keep gloss and metal over their measured base."""
 
-    def transfer(self, light: SkyLight | None = None, basis: str | None = None) -> Transfer:
-        """Return the map from reflectances to matrices of the open file's working space.
+    def transfer(
+        self, light: SkyLight | None = None, basis: str | None = None, space: str | None = None
+    ) -> Transfer:
+        """Return the map from reflectances to matrices of a working space, the open file's if None.
 
         ``light``: the sky, whose sun and color the basis may be chosen by. ``basis``: another one
         than the settings', which are `atmosphere` as long as the simplest is not found.
@@ -60,7 +62,7 @@ class Settings:
             basis,
             camera=self.camera,
             white=self.white,
-            space=working_space.name(),
+            space=space or working_space.name(),
             sun_elevation=light.sun_elevation(self.sun_elevation) if light else self.sun_elevation,
             sky_rgb=None if light is None else light.faces,
             known=None if light is None or light.spectrum is None else light.spectrum.members,
@@ -81,9 +83,14 @@ class Settings:
         return S if self.white is None else S / np.array(self.white)[:, None]
 
     def choose(
-        self, light: SkyLight, reflectances: NDArray[np.float64], *, white_is_doubtful: bool = False
+        self,
+        light: SkyLight,
+        reflectances: NDArray[np.float64],
+        *,
+        white_is_doubtful: bool = False,
+        space: str | None = None,
     ) -> Choice:
-        """Return the models of reflectances (m, 81) under a sky.
+        """Return the models of reflectances (m, 81) under a sky, in a working space as `transfer`.
 
         ``white_is_doubtful``: a white balance is suspected that is not undone.
         """
@@ -91,7 +98,11 @@ class Settings:
         basis = "atmosphere" if self.camera and self.basis == SIMPLEST else self.basis
         known = KnownLight.of(light, self.sun_elevation, white_is_doubtful=white_is_doubtful)
         return choose_with(
-            lambda name: self.transfer(light, name), basis, reflectances, known, self.tolerance
+            lambda name: self.transfer(light, name, space),
+            basis,
+            reflectances,
+            known,
+            self.tolerance,
         )
 
     def plain(self) -> dict[str, Any]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 
 import bpy
 
 from ... import tags
 from ...errors import InputError, parameter
+from ...progress import Progress, aside
 from . import hdri, sky_image
 
 HEIGHT = 512
@@ -34,7 +36,7 @@ class SkyPlace:
     ground: float = 0.2
 
 
-def image_of(place: SkyPlace) -> bpy.types.Image:
+def imaging(place: SkyPlace) -> Generator[Progress, None, bpy.types.Image]:
     """Simulate the sky of a place, its sun included, and return it as a packed image.
 
     About a second on two processors. Raises InputError as `sun_position` and `Atmosphere` do, and
@@ -53,14 +55,19 @@ def image_of(place: SkyPlace) -> bpy.types.Image:
         cure = f"skies are simulated down to {LOWEST_SUN:g}°: give another time"
         raise InputError(parameter("time"), problem, cure)
     air = Atmosphere(haze=place.haze, ozone=place.ozone, ground=place.ground)
-    sky, view = simulate(elevation, air), (azimuth + place.north, elevation > 0.0)
-    rgb = picture(sky, HEIGHT, *view, observer() * SCALE)
+    view = azimuth + place.north, elevation > 0.0
     name = f"Sky {place.date} {place.time[:5]}"
-    return sky_image.simulated(name, rgb, header_of(sky, *view), elevation)
+
+    def simulated():
+        sky = simulate(elevation, air)
+        return picture(sky, HEIGHT, *view, observer() * SCALE), header_of(sky, *view)
+
+    rgb, header = yield from aside(Progress(0.0, name), simulated)
+    return sky_image.simulated(name, rgb, header, elevation)
 
 
 def light(scene: bpy.types.Scene, image: bpy.types.Image) -> bpy.types.World:
-    """Light a scene by an image of `image_of` and return its World.
+    """Light a scene by an image of `imaging` and return its World.
 
     A World of ours that shows such an image, to no other scene, is kept with what was set there;
     otherwise the scene gets a new one, as by `hdri.set_sky`.

@@ -10,7 +10,7 @@ from __future__ import annotations
 import io
 import json
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Generator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from ... import tags
 from ...errors import InputError
+from ...progress import Progress, aside, run
 from ...sky.file_claims import regular_size
 from ...sky.header_notes import Said, read_said
 from ...sky.known_spectrum import ATTRIBUTE, KnownSpectrum
@@ -32,6 +33,13 @@ LOAD = "load it with Load Sky HDRI"
 
 
 def load(path: Path, raw: bool = False, shown: bpy.types.Image | None = None) -> bpy.types.Image:
+    """Load a sky file as an image, as `loading` does."""
+    return run(loading(path, raw, shown))
+
+
+def loading(
+    path: Path, raw: bool = False, shown: bpy.types.Image | None = None
+) -> Generator[Progress, None, bpy.types.Image]:
     """Load a sky file as an image; the numbers of a ``raw`` one are a camera's, never converted.
 
     An image of the file that is there already is returned, ``shown`` first, if it shows what the
@@ -45,7 +53,7 @@ def load(path: Path, raw: bool = False, shown: bpy.types.Image | None = None) ->
     for image in there:
         if tags.SKY in image and _kept(image).get("raw") == raw:
             return image
-    sky = read_sky(path, raw)
+    sky = yield from aside(Progress(0.0, path.name), read_sky, path, raw)
     if not sky.space:
         return _packed(path, sky, raw)
     for image in there:

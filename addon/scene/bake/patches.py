@@ -1,0 +1,58 @@
+"""Patches of what stands in a scene, between which light goes round: how many, and their rays."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...progress import Progress, aside
+from ...transport.cells import Cells, Surfaces, levels_for, pieces
+from ...transport.hits import Space
+from ...transport.radiosity import Radiosity
+from . import layout
+from .geometry import Geometry
+from .light import Light
+
+PATCHES = 20_000, 60_000
+"""At most so many at first and at last, where a scene has no more triangles."""
+
+SENT = 64, 128
+"""Rays from each side of a patch, at first and at last, at most …"""
+
+ALL_SENT = 4e6, 1.6e7
+"""… and from all of them; but at least `LEAST_SENT` from each."""
+
+LEAST_SENT = 16
+
+BETWEEN = "light between surfaces"
+
+
+def first_cells(around: Geometry) -> tuple[NDArray, Surfaces, NDArray, NDArray, Cells]:
+    """Cut triangles into patches between which light first goes round: how often each was, `pieces`
+    of them, and their cells."""
+    surfaces, small = around.surfaces, layout.SMALL * around.size
+    levels = levels_for(surfaces, layout.START * around.size, PATCHES[0], small)
+    parts, of_parts, triangle = pieces(surfaces, levels)
+    return levels, parts, of_parts, triangle, Cells.of(parts, of_parts, small)
+
+
+def sent(radiosity: Radiosity, stage: int) -> int:
+    """How many rays go from each side of a patch, a power of 2."""
+    each = ALL_SENT[stage] / max(len(radiosity.patch), 1)
+    return int(np.clip(2 ** np.floor(np.log2(max(each, 1.0))), LEAST_SENT, SENT[stage]))
+
+
+def casting(around: Geometry, light: Light) -> Generator[Progress, None, Radiosity]:
+    """Return the patches of what stands in a scene, with their rays cast."""
+    at = Progress(0.0, BETWEEN)
+    surfaces, small = around.surfaces, layout.SMALL * around.size
+    levels = yield from aside(
+        at, levels_for, surfaces, layout.START * around.size, PATCHES[1], small
+    )
+    cells = yield from aside(at, Cells.of, surfaces, levels, small)
+    radiosity = Radiosity(Space(cells, light.matter(around.materials)))
+    for done in radiosity.cast(sent(radiosity, 1)):
+        yield Progress(0.3 * done, BETWEEN)
+    return radiosity
