@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 
@@ -11,10 +12,13 @@ _PAUSE = 0.05
 
 
 class Bar:
-    """One line that is written over and over. It appears after ``delay`` [s], never if closed."""
+    """One line that is written over and over. It appears after ``delay`` [s], never if closed.
+
+    Where stderr is no terminal nothing is drawn: of a line that is left, that alone.
+    """
 
     def __init__(self, delay: float = 0.0) -> None:
-        self._next = time.monotonic() + delay
+        self._next = time.monotonic() + delay if sys.stderr.isatty() else math.inf
         self._line, self._shown = "", ""
 
     def show(self, before: str, done: float, after: str = "") -> None:
@@ -27,8 +31,8 @@ class Bar:
     def close(self, leave: bool = False) -> None:
         """Take the line away, or leave it as it was shown last."""
         if leave and self._line:
-            self._draw(self._line)
-            print(file=sys.stderr, flush=True)
+            start = "\r" if self._shown else ""
+            print(f"{start}{self._line:<{len(self._shown)}}", file=sys.stderr, flush=True)
         elif self._shown:
             self._draw("")
         self._line = self._shown = ""

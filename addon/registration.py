@@ -23,6 +23,7 @@ from .ui import (
     everything,
     explain,
     follow,
+    imports,
     last_guard,
     library,
     load_sky,
@@ -89,6 +90,7 @@ ATTACHED = (
     split_view,
     staleness_handlers,
     translation,
+    imports,
 )
 """Modules that give Blender more than classes."""
 

@@ -1,10 +1,12 @@
 """Long work as generators: driven to the end, as a part of other work, and ended on the way."""
 
+import sys
 import threading
 import time
 
 import pytest
 
+from spectral_skylight.addon.bar import Bar
 from spectral_skylight.addon.commands.progress_bar import run_with_bar
 from spectral_skylight.addon.progress import Progress, a_while, aside, mapped, on_main, run, timed
 
@@ -86,15 +88,26 @@ def test_what_goes_wrong_in_the_part_reaches_the_whole():
         run(mapped(broken(), half))
 
 
-def test_a_bar_shows_it_and_goes(capsys):
-    def slow():
-        for step in Work().steps():
-            time.sleep(0.15)  # a bar is drawn ten times a second at most
-            yield step
-        return "made"
+def slow():
+    for step in Work().steps():
+        time.sleep(0.15)  # a bar is drawn ten times a second at most
+        yield step
+    return "made"
 
+
+def test_a_bar_shows_it_and_goes(capsys, monkeypatch):
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     assert run_with_bar(slow(), "paint") == "made"
     assert "paint number 2" in capsys.readouterr().err
+
+
+def test_a_file_gets_no_bar_but_a_line_that_stays(capsys):
+    assert run_with_bar(slow(), "paint") == "made"
+    bar = Bar()
+    bar.show("batch", 0.5, "1/2")
+    bar.show("batch", 1.0, "2/2")
+    bar.close(leave=True)
+    assert capsys.readouterr().err == f"batch {'#' * 20} 2/2\n"
 
 
 AT = Progress(0.5, "aside")

@@ -9,6 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Collection, Generator, Iterable, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,7 @@ from .. import tags
 from ..choices import BAKED
 from ..errors import InputError
 from ..grouping import grouped
-from ..progress import Progress, run, timed
+from ..progress import Progress, aside, run, timed
 from ..sky.light import SkyLight
 from ..transfer.assignment import Assignment
 from ..transfer.assignment_table import read_table, table_files
@@ -29,7 +30,7 @@ from . import clear, out_of_date, scene_lighting
 from . import plan as planning
 from .bake import scene_bake, session
 from .bake.light import SceneLight, shining_of
-from .blend_data import kept
+from .blend_data import kept, working_space
 from .lights import lighting
 from .materials import base_color, eligibility, spectral_material
 from .materials.assigned import assigned, in_file
@@ -63,7 +64,7 @@ def setting_sky(
 
     Raises InputError for a file that is no sky (the scene is untouched) and for wrong settings.
     """
-    settings.transfer()
+    yield from _checking(settings)
     yield from hdri.setting_sky(scene, path, raw=settings.camera is not None)
     world = yield from developing(scene, settings)
     own_worlds.remove_unused()
@@ -75,6 +76,12 @@ def load_sky(scene: bpy.types.Scene, path: str | Path, settings: Settings) -> Ou
     return run(loading_sky(scene, path, settings))
 
 
+def _checking(settings: Settings) -> Generator[Progress, None, None]:
+    """Raise InputError for wrong settings."""
+    check = partial(settings.transfer, space=working_space.name())
+    yield from aside(Progress(0.0, "the sky"), check)
+
+
 def loading_sky(
     scene: bpy.types.Scene, path: str | Path, settings: Settings, relight: bool = True
 ) -> Generator[Progress, None, Outcome]:
@@ -83,7 +90,7 @@ def loading_sky(
 
     Raises InputError as `set_sky` does; the scene is untouched then.
     """
-    settings.transfer()
+    yield from _checking(settings)
     ours, skipped = editable(in_scene(scene))
     yield from setting_sky(scene, path, settings)
     found = yield from updating(scene, settings, ours, relight)
@@ -111,7 +118,7 @@ def simulating_sky(
     for wrong settings; the scene is untouched then.
     """
     settings = replace(settings, camera=None, white=None, sun_elevation=None)
-    settings.transfer()
+    yield from _checking(settings)
     ours, skipped = editable(in_scene(scene))
     image = yield from simulated_sky.imaging(place)
     store(simulated_sky.light(scene, image), settings)

@@ -27,6 +27,11 @@ class Cluster:
         """Start a worker; its process is the one that can be killed, for it has no nanny."""
         return self._start("worker", self.address, "--nthreads", threads, "--no-nanny")
 
+    def at_least_one(self) -> None:
+        """Start a worker where none is left of tests before, or none were."""
+        if all(process.poll() is not None for process in self.processes[1:]):
+            self.worker()
+
     def end(self) -> None:
         """End all processes."""
         for process in self.processes:

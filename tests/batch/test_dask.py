@@ -100,6 +100,7 @@ def test_a_killed_worker_loses_nothing(cluster, plan, tmp_path, capsys):
 
 def test_ctrl_c_ends_the_farms_work_and_a_second_run_does_the_rest(cluster, plan, tmp_path):
     """Also where the only worker is killed in that run, and another comes later."""
+    cluster.at_least_one()
     there = copy_plan(plan, tmp_path / "there")
     run = ["batch", "run", str(there), "--scheduler", cluster.address]
     code = f"import sys; from spectral_skylight.addon.cli import main; sys.exit(main({run}))"
@@ -127,6 +128,7 @@ def test_ctrl_c_ends_the_farms_work_and_a_second_run_does_the_rest(cluster, plan
 
 
 def test_workers_that_cannot_render_are_given_nothing(cluster, tmp_path):
+    cluster.at_least_one()
     said = "none of its .* workers can render.*no/blender.* is not a Blender that can be started"
     with distributed.Client(cluster.address, set_as_default=False) as client:
         client.wait_for_workers(1, timeout=60)

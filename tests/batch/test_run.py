@@ -105,6 +105,7 @@ def test_a_clock_that_jumps_changes_nothing(path, monkeypatch, capsys):
         return RENDERED
 
     lefts = []
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     with RunStatus(path.parent) as shown:
 
         def tell(outcome, left):

@@ -7,6 +7,7 @@ Light through an unglazed opening in a roof (5.9) and in a façade (5.11), and d
 import numpy as np
 import pytest
 
+from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.sky.cie_skies import cie_luminance
 from spectral_skylight.addon.transport import directions
 from spectral_skylight.addon.transport.bands import COUNT
@@ -162,7 +163,7 @@ def test_diffuse_reflection_onto_a_wall():
     of = matter([0.3, 0.0])
     made = radiosity(triangles(lit, wall), of, np.array([0, 0, 1, 1]), cells=600, rays=16)
     sun = Direct(None, np.array([0.6, 0.0, 0.8]), np.ones(COUNT, np.float32))
-    table, tells, _ = made.solve(DARK, made.lit_by([sun]))
+    table, tells, _ = made.solve(DARK, run(made.lit_by([sun])))
     field = Field(made.space, table, tells, np.zeros((directions.SKY, 1), np.float32))
     places = np.array([(0.0, y, z) for y in (0.0, 1.0) for z in (0.25, 1.0, 2.5)])
     seen, _ = read(field, places, [(1.0, 0.0, 0.0)] * len(places))
@@ -178,7 +179,7 @@ def test_a_screen_hides_what_is_reflected():
     of = matter([0.3, 0.0])
     made = radiosity(triangles(lit, screen), of, np.array([0, 0, 1, 1]), False, 6000, 16)
     sun = Direct(None, UP, np.ones(COUNT, np.float32))
-    table, tells, _ = made.solve(DARK, made.lit_by([sun]))
+    table, tells, _ = made.solve(DARK, run(made.lit_by([sun])))
     field = Field(made.space, table, tells, np.zeros((directions.SKY, 1), np.float32))
     # From 1.5 high all behind x = 1 is hidden: it would have to be seen over the screen's edge.
     place = np.array([0.0, 0.0, 1.5])

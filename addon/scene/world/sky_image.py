@@ -26,7 +26,7 @@ from ...sky.header_notes import Said, read_said
 from ...sky.known_spectrum import ATTRIBUTE, KnownSpectrum
 from ...sky.panorama import Panorama, write_panorama
 from ...spectra.working_spaces import DEFAULT_SPACE
-from ..blend_data import kept
+from ..blend_data import kept, working_space
 from ..files.exr_decoder import read_sky
 
 LOAD = "load it with Load Sky HDRI"
@@ -210,6 +210,15 @@ def read_layer(image: bpy.types.Image) -> Panorama:
         copy = Path(folder) / "packed.exr"
         copy.write_bytes(image.packed_file.data)
         return read_sky(copy, raw=image.colorspace_settings.is_data)
+
+
+def state(image: bpy.types.Image) -> tuple[str | int, ...] | None:
+    """Return what tells whether an image still has the numbers that it had; None where that cannot
+    be told but by them: it was painted, or is no plain file."""
+    if image.source != "FILE" or image.type != "IMAGE" or image.packed_file or image.is_dirty:
+        return None
+    numbers = image.colorspace_settings.name, image.alpha_mode, working_space.name()
+    return (image.session_uid, image.name_full, *image.size, *numbers, *_stamp(_file(image)))
 
 
 def _said(image: bpy.types.Image) -> Said | None:
