@@ -442,7 +442,7 @@ def surveying(
     threshold: float | None = None,
 ) -> Generator[Progress, None, Room]:
     """Measure a floor of the active scene, its daylight factor too; raises as `room.surveying`."""
-    shining = _shining(scene, settings)
+    shining = yield from _shining(scene, settings)
     return (yield from room.surveying(scene.world, shining, places, told, threshold))
 
 

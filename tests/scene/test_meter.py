@@ -12,7 +12,7 @@ from spectral_skylight.addon import cli
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.scene import use_cases
-from spectral_skylight.addon.scene.bake import session
+from spectral_skylight.addon.scene.bake import patches
 from spectral_skylight.addon.scene.meter import places as meters
 from spectral_skylight.addon.scene.meter import room_page
 from spectral_skylight.addon.scene.meter.calibration import Told, keep_lux, kept_lux
@@ -37,7 +37,7 @@ SUN = 40.0
 def coarse_patches():
     """Scenes of a few faces need no more; what is compared comes straight from the sky and sun."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(session, "PATCHES", (500, 2000))
+        patch.setattr(patches, "PATCHES", (500, 2000))
         yield
 
 
