@@ -15,7 +15,11 @@ ROWS = 50
 """Materials that the table shows: a panel is drawn anew whenever the mouse moves over it."""
 
 
-def table(layout: bpy.types.UILayout) -> None:
+SWATCH = 0.15
+"""The part of a row that a material's color has."""
+
+
+def table(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     """A row for each spectral material of the file."""
     from ..scene.materials import spectral_material
 
@@ -23,7 +27,7 @@ def table(layout: bpy.types.UILayout) -> None:
     if not found:
         layout.label(text="No material is spectral yet")
         return
-    layout.label(text="Color, material, ΔE of RGB × RGB → spectral")
+    paragraph(layout, context, "Color, material, ΔE of RGB × RGB → spectral")
     column = layout.column(align=True)
     for shown in found[:ROWS]:
         row(column.row(), shown)
@@ -48,10 +52,11 @@ def row(layout: bpy.types.UILayout, shown: bpy.types.Material) -> None:
         layout.label(text=line, icon="MATFLUID" if pane else "ERROR", translate=False)
         return
     estimated = managed.record.reflectance == ESTIMATED
+    layout = layout.split(factor=SWATCH)
     layout.prop(shown.skylight, "swatch", text="")
-    name = "estimated" if estimated else managed.record.reflectance
-    line = translated(f"{shown.name}: {name}")
-    layout.label(text=line, icon="QUESTION" if estimated else "NONE", translate=False)
+    layout = layout.row()
+    name = shown.name if estimated else f"{shown.name}: {managed.record.reflectance}"
+    layout.label(text=name, icon="QUESTION" if estimated else "NONE", translate=False)
     result = managed.details.result
     if result is None:
         return
@@ -60,7 +65,7 @@ def row(layout: bpy.types.UILayout, shown: bpy.types.Material) -> None:
     if result.out_of_gamut:
         text += translated(", clamped")
     icon = "ERROR" if staleness_handlers.stale(shown) else "NONE"
-    layout.label(text=f"ΔE {text}", icon=icon, translate=False)
+    layout.label(text=text, icon=icon, translate=False)
 
 
 def left(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

@@ -58,9 +58,13 @@ def places(text: str) -> list[str]:
 
 @dataclass(frozen=True)
 class _Template:
-    """A message with places for values: how its English is known, and what it becomes."""
+    """A message with places for values: how its English is known, and what it becomes.
+
+    ``rarest`` of its parts, at which one sees first; ``known``: letters, the more the surer.
+    """
 
     rarest: str
+    known: int
     pattern: re.Pattern[str]
     order: tuple[int, ...]
     text: str
@@ -73,7 +77,7 @@ class Catalogue:
 
     def __init__(self, messages: Messages) -> None:
         self.messages = {key: text for key, text in messages.items() if text}
-        self._templates = sorted(self._read(), key=lambda each: -len(each.rarest))
+        self._templates = sorted(self._read(), key=lambda each: -each.known)
 
     def _read(self) -> Iterator[_Template]:
         for (context, english), text in self.messages.items():
@@ -84,7 +88,8 @@ class Catalogue:
                 order = tuple(int(place[1:-1]) for place in _PLACE.findall(english))
                 is_words = any(map(str.isalpha, "".join(parts)))
                 found = re.compile(pattern, re.DOTALL)
-                yield _Template(max(parts, key=len), found, order, text, is_words, is_tail)
+                rarest, known = max(parts, key=len), len("".join(parts))
+                yield _Template(rarest, known, found, order, text, is_words, is_tail)
 
     def line(self, text: str) -> str:
         """Return a line in the language, as far as its messages say it; else the line itself.

@@ -85,12 +85,14 @@ def light(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         row.operator("skylight.update", text="Go On")
     elif text := _old(context):
         row.label(text=translated(text), icon="ERROR")
-        row.operator("skylight.bake")
+        row.operator("skylight.bake", text="Bake")
     else:
         state = sentences[0].partition(":")[0] if sentences else "no light yet"
         row.label(text=translated(_capital(state)), icon="LIGHT_SUN")
     header, body = layout.panel("skylight_about_light", default_closed=True)
     header.label(text="About This Light")
+    if len(names := out_of_date.unbaked(context.scene)) > 1:
+        sentences.append(f"Old light: {some(names, 'object')}")
     for sentence in [*sentences, *follow.lines()] if body is not None else ():
         paragraph(body, context, _capital(sentence))
 
@@ -111,9 +113,10 @@ def _old(context: bpy.types.Context) -> str:
     """Which objects have no light or an old one, where nobody but a person bakes it."""
     from ..scene import out_of_date
 
-    if names := out_of_date.unbaked(context.scene):
-        return f"Old light: {some(names, 'object')}"
-    return "Objects have changed" if staleness_handlers.moved() and _is_by_hand(context) else ""
+    names = out_of_date.unbaked(context.scene)
+    if names:
+        return f"Old light: {names[0]}" if len(names) == 1 else f"Old light: {len(names)} objects"
+    return "Objects changed" if staleness_handlers.moved() and _is_by_hand(context) else ""
 
 
 def _capital(sentence: str) -> str:

@@ -24,8 +24,8 @@ def _choose(layout, context, material) -> None:
     from ..scene.materials import spectral_material
 
     choice = material.skylight
+    layout.prop(choice, "kind", text="")
     row = layout.row(align=True)
-    row.prop(choice, "kind", text="")
     row.prop(choice, "filepath", text="", placeholder="Measured values (CSV)")
     row.operator("skylight.choose_reflectance", text="", icon="FILEBROWSER")
     if choice.problem:
@@ -39,7 +39,7 @@ def _choose(layout, context, material) -> None:
         row.operator("skylight.estimate", text="Estimate")
     row.operator("skylight.browse_library").material = material.name
     if material in spectral_material.ours():
-        row.operator("skylight.remove")
+        row.operator("skylight.remove", text="", icon="X")
         row.operator("skylight.explain", text="", icon="QUESTION")
     _measured(layout, context, material)
     row = layout.row(align=True)

@@ -12,8 +12,9 @@ from . import staleness_handlers
 from .text_width import wrapped
 from .translation import translated
 
-MARGINS = 45, 70
-"""What a panel needs beside a text without and with an icon [pixels at scale 1], its tabs too."""
+MARGINS = 70, 92
+"""What a box needs beside a text without and with an icon [pixels at scale 1], the sidebar's tabs
+among it."""
 
 
 def paragraph(
@@ -139,7 +140,10 @@ def material(
     box = layout.box()
     name = managed.record.reflectance
     known = name != ESTIMATED
-    box.label(text=translated(name), icon="CHECKMARK" if known else "QUESTION", translate=False)
+    if known:
+        box.label(text=name, icon="CHECKMARK", translate=False)
+    else:
+        paragraph(box, context, "Estimated, not measured", "QUESTION")
     if why := staleness_handlers.stale(shown):
         paragraph(box, context, why, "ERROR")
     if tags.SHOWS_RGB in shown:

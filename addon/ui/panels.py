@@ -81,11 +81,11 @@ class SKYLIGHT_PT_all(Child, bpy.types.Panel):
 
     def draw(self, context):
         layout = self.layout
-        all_materials.table(layout)
+        all_materials.table(layout, context)
         all_materials.left(layout, context)
-        row = layout.row(align=True)
-        row.operator("skylight.write_assignments")
-        row.operator("skylight.read_assignments")
+        column = layout.column(align=True)
+        column.operator("skylight.write_assignments")
+        column.operator("skylight.read_assignments")
 
 
 class SKYLIGHT_PT_advanced(Child, bpy.types.Panel):
@@ -109,9 +109,7 @@ class SKYLIGHT_PT_last(Child, bpy.types.Panel):
     bl_order = 99
 
     def draw(self, context):
-        self.layout.operator(
-            "skylight.remove_all", text="Remove All and Restore My World", icon="X"
-        )
+        self.layout.operator("skylight.remove_all", text="Remove All and Restore My World")
 
 
 class SKYLIGHT_PT_light(OfWorld, bpy.types.Panel):

@@ -301,7 +301,7 @@ class SkylightNumbers(bpy.types.PropertyGroup):
         set=lambda self, value: _store(self.id_data, camera=value.strip() or None),
     )
     sun_told: bpy.props.BoolProperty(
-        name="Set Sun Elevation",
+        name="Sun Elevation",
         description="Set the elevation of a sun that the HDRI does not show. The sky of a low sun "
         "has a different spectrum. Daytime is assumed otherwise",
         get=lambda self: _stored(self.id_data).sun_elevation is not None,

@@ -38,19 +38,21 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     column.label(text=translated(f"Sky: {seen.name}"), icon="NONE" if picture else "WORLD")
     line, details = panel_text.of_sky(world, seen)
     column.label(text=translated(line))
-    row.operator("skylight.load_sky", text="", icon="FILEBROWSER")
-    row.operator("skylight.make_sky", text="", icon="LIGHT_SUN")
     if panel_text.is_other_sky(world, seen):
         row = box.row(align=True)
         row.label(text="The sky has changed", icon="ERROR")
-        row.operator("skylight.update")
-    row = box.row(align=True)
+        row.operator("skylight.update", text="", icon="FILE_REFRESH")
+    column = box.column(align=True)
+    row = column.row(align=True)
     part = row.row(align=True)
     part.enabled = seen.mapping is not None
     part.prop(world.skylight, "rotation")
+    row.operator("skylight.load_sky", text="", icon="FILEBROWSER")
+    row = column.row(align=True)
     part = row.row(align=True)
     part.enabled = seen.background is not None
     part.prop(world.skylight, "exposure")
+    row.operator("skylight.make_sky", text="", icon="LIGHT_SUN")
     if details:
         header, body = box.panel("skylight_about_sky", default_closed=True)
         header.label(text="About This Sky")

@@ -58,6 +58,7 @@ COMPOSED = (
     *("estimated", "unknown", "none", "preparing {0}", "{0} left", "starting", "stopped"),
     *("Day, sun at {0}°", "is", "are", "Strength", "Rotation", "Strength and Rotation"),
     "no light comes from below: the HDRI is black there",
+    *("open sky", "no light is baked yet"),
     "open sky: no shadows but the sun's yet",
 )
 """Lines that no single text in the code holds, and parts of lines that are one word."""
@@ -161,6 +162,9 @@ class _Reader(ast.NodeVisitor):
                     continue
                 if name.startswith("bl_"):
                     continue
+            if isinstance(part, ast.AnnAssign):
+                self.within("*", part.annotation)  # a property
+                continue
             self.visit(part)
 
     def visit_Call(self, node: ast.Call) -> None:

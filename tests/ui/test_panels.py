@@ -70,7 +70,8 @@ def test_three_boxes_then_closed_panels_and_the_way_back():
     below.sort(key=lambda cls: cls.bl_order)
     *closed, last = below
     assert [cls.bl_label for cls in closed] == [
-        *("Selected Material", "Library of Reflectances", "All Materials", "Batch", "Advanced")
+        *("Selected Material", "Library of Reflectances", "All Materials"),
+        *("Light Meter", "Batch", "Advanced"),
     ]
     assert all("DEFAULT_CLOSED" in cls.bl_options for cls in closed)
     assert last is panels.SKYLIGHT_PT_last and "HIDE_HEADER" in last.bl_options

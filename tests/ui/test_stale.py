@@ -129,7 +129,7 @@ def test_bakes_that_are_missing_or_old_are_listed(watched, brick):
     bpy.ops.skylight.bake(rays=32)
     assert problems() == ""
     bpy.data.objects["Wall"].rotation_euler.x = 0.5
-    assert "Objects have changed" in problems()
+    assert "Objects changed" in problems()
     bpy.ops.skylight.update()
     assert "Old light: Wall" in problems()
     bpy.ops.skylight.bake(rays=32)

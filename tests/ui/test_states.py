@@ -7,7 +7,9 @@ moment, so each state is reached from the one before it.
 import bpy
 import pytest
 
-from spectral_skylight.addon.ui import panels, staleness_handlers
+from spectral_skylight.addon import registration
+from spectral_skylight.addon.ui import catalogue, panels, staleness_handlers, translation
+from spectral_skylight.tests.ui import room
 from spectral_skylight.tests.ui.stage import drawn, write_sky
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
@@ -79,19 +81,47 @@ STATES = [
         ["baked", "Old light"],
     ),
     (baked, ["All light is baked"], ["Old light", "Open sky"]),
-    (moved, ["Objects have changed"], ["Old light"]),
-    (found_old, ["Old light: "], ["Objects have changed"]),
-    (baked_again, ["All light is baked"], ["Old light", "Objects have changed"]),
-    (live, ["The sky's shadows are live"], ["Old light", "Objects have changed", "baked"]),
+    (moved, ["Objects changed"], ["Old light"]),
+    (found_old, ["Old light: "], ["Objects changed"]),
+    (baked_again, ["All light is baked"], ["Old light", "Objects changed"]),
+    (live, ["The sky's shadows are live"], ["Old light", "Objects changed", "baked"]),
     (other_sky, ["The sky has changed"], ["good", "RGB is"]),
     (updated, ["live", "RGB is"], ["The sky has changed"]),
-    (opened_again, ["2 of 2", "live"], ["The sky has changed", "Objects have changed"]),
+    (opened_again, ["2 of 2", "live"], ["The sky has changed", "Objects changed"]),
     (shows_rgb, ["Renders show this too"], []),
     (removed, ["No material is spectral yet"], ["Renders show", "Old light", "live", "baked"]),
 ]
 
 
-def test_what_the_panel_says_in_each_state(scene, tmp_path):
+WHOLE = (no_sky, applied_without_light, shows_rgb)
+"""States in which all panels are measured, not only the main one."""
+
+PANELS = (
+    panels.SKYLIGHT_PT_main,
+    *(
+        cls
+        for cls in registration.CLASSES
+        if issubclass(cls, bpy.types.Panel) and cls is not panels.SKYLIGHT_PT_main
+    ),
+)
+
+
+def cut_off(monkeypatch, shown):
+    """What of the panels is cut off in any language, in a sidebar of 250, 300 or 400 pixels."""
+    found = []
+    for language in ("", *catalogue.LANGUAGES):
+        monkeypatch.setattr(translation, "_language", lambda language=language: language)
+        for panel in shown:
+            if not hasattr(panel, "poll") or panel.poll(bpy.context):
+                for width in (250, 300, 400):
+                    found += [
+                        f"{language}: {line}" for line in room.cut_off(panel, width, language)
+                    ]
+    monkeypatch.setattr(translation, "_language", lambda: "")
+    return found
+
+
+def test_what_the_panel_says_in_each_state(scene, tmp_path, monkeypatch):
     for name in ("Wall", "Roof"):
         places = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
         bpy.data.objects[name].data.from_pydata(places, [], [(0, 1, 2, 3)])
@@ -103,5 +133,6 @@ def test_what_the_panel_says_in_each_state(scene, tmp_path):
             text = drawn(panels.SKYLIGHT_PT_main).text
             assert [words for words in there if words not in text] == [], (reach.__name__, text)
             assert [words for words in gone if words in text] == [], (reach.__name__, text)
+            assert cut_off(monkeypatch, PANELS if reach in WHOLE else PANELS[:1]) == []
     finally:
         staleness_handlers.detach()

@@ -90,7 +90,7 @@ def test_what_blender_knows_is_read_from_the_code_too(addon):
 
 LINES = {
     "8 of 11: 1 measured, 7 estimated": "8 von 11: 1 gemessen, 7 geschätzt",
-    "Day, sun at 33°, good": "Tag, Sonne bei 33°, gut",
+    "Day, sun at 33°, good": "Tag, Sonne 33°, gut",
     "17 materials (Wall, Roof, Door …): emits light": (
         "17 Materialien (Wall, Roof, Door …): strahlt Licht ab"
     ),
