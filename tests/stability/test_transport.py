@@ -11,6 +11,7 @@ import pytest
 from spectral_skylight.addon import progress
 from spectral_skylight.addon.scene.bake import geometry, scene_bake, storage
 from spectral_skylight.addon.scene.bake.light import Light
+from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.transport.bands import COUNT
 from spectral_skylight.addon.transport.radiosity import Direct
 from spectral_skylight.node_groups import baked_light
@@ -162,13 +163,13 @@ def test_reflectances_of_0_and_1(keep):
         assert not rho or lit.min() > 0.99
     for rho, sweeps in ((0.0, 1), (0.5, 5), (0.96, 5), (0.99, 5)):
         room = radiosity(box(inwards=True), matter([rho], 1.0), cells=300, rays=64)
-        table, _, count = room.solve(DARK, room.lit_by([]))
+        table, _, count = room.solve(DARK, run(room.lit_by([])))
         shown = table[: room.space.cells.patches]
         np.testing.assert_allclose(shown, 1.0 / (1.0 - rho), rtol=1e-3)
         assert count <= sweeps
     # There is no answer: light that goes round for ever.
     room = radiosity(box(inwards=True), matter([1.0], 1.0), cells=300, rays=64)
-    table, _, _ = room.solve(DARK, room.lit_by([]))
+    table, _, _ = room.solve(DARK, run(room.lit_by([])))
     assert 100.0 < table.max() < 1000.0
     keep(
         "reflectances of 0 and 1 under an even sky; 0.99 in a closed room that shines",
@@ -223,7 +224,7 @@ def test_a_sunbeam_through_a_small_hole(keep):
     for half in (0.3, 0.03):
         corners = np.concatenate([walls, with_hole(half)])
         found = radiosity(corners, matter([0.5]), solid=False, cells=2000)
-        lit = found.lit_by([sun])
+        lit = run(found.lit_by([sun]))
         found.solve(DARK, lit)
         _, middle, _, areas = fronts(found)
         inside = middle[:, 2] < 0.999
