@@ -23,6 +23,7 @@ from .ui import (
     everything,
     explain,
     follow,
+    help,
     imports,
     last_guard,
     library,
@@ -58,6 +59,7 @@ MODULES = (
     everything,
     apply,
     update,
+    help,
     bake,
     remove,
     explain,
@@ -89,6 +91,7 @@ ATTACHED = (
     follow,
     split_view,
     staleness_handlers,
+    help,
     translation,
     imports,
 )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..choices import ORDERS, items
-from . import library_state, operator, panel_text, preferences
+from . import library_state, operator, panel_text, panels, preferences
 from .translation import translated
 
 if TYPE_CHECKING:
@@ -160,14 +160,10 @@ class SKYLIGHT_OT_library_problems(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SKYLIGHT_PT_library(bpy.types.Panel):
+class SKYLIGHT_PT_library(panels.Child, bpy.types.Panel):
     """Measured reflectances to choose from."""
 
     bl_label = "Library of Reflectances"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Skylight"
-    bl_parent_id = "SKYLIGHT_PT_main"
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 30
 

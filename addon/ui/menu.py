@@ -13,6 +13,7 @@ STEPS = (
     ("bake", "stop_light", "remove_bakes"),
     ("show_in_viewport", "before_after", "split_view", "view_as", "neutral_white"),
     ("batch_write", "batch_start", "batch_cancel"),
+    ("help",),
 )
 
 

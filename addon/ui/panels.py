@@ -8,6 +8,7 @@ import bpy
 from ..choices import ALL_LIGHT
 from . import (
     all_materials,
+    help,
     look_box,
     material_panel,
     materials_box,
@@ -18,11 +19,15 @@ from . import (
 
 
 class Sidebar:
-    """Where the panels of the 3D view stand."""
+    """Where the panels of the 3D view stand, each with the button that opens its help."""
 
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Skylight"
+
+    def draw_header_preset(self, context):
+        """The button at the header's end."""
+        help.button(self.layout, self.bl_label)
 
 
 class Child(Sidebar):
@@ -46,6 +51,10 @@ class SKYLIGHT_PT_main(Sidebar, bpy.types.Panel):
     """All that a scene needs."""
 
     bl_label = "Spectral Skylight"
+
+    def draw_header_preset(self, context):
+        """The button that opens the page at its start."""
+        help.button(self.layout, "")
 
     def draw(self, context):
         layout = self.layout

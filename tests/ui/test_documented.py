@@ -70,6 +70,7 @@ def test_whatever_changes_the_file_can_be_undone(addon):
         "library_problems",
         "browse_library",
         "split_view",
+        "help",
         "explain",
         "measure",
         "stop_light",
