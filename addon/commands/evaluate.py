@@ -1,10 +1,11 @@
-"""`evaluate`: errors over a day, or under measured light."""
+"""`evaluate`: errors over a day, under measured light, or under a sky that knows its spectra."""
 
 from __future__ import annotations
 
 import argparse
 import json
 import sys
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..choices import BASES, BASIS
@@ -15,7 +16,9 @@ from .outputs import output_folder
 
 def add(commands: Commands) -> None:
     """Add the command to those of the parser."""
-    parser = commands.add_parser("evaluate", help="errors over a day or under measured light")
+    parser = commands.add_parser(
+        "evaluate", help="errors over a day, under measured light or a known sky"
+    )
     parser.add_argument(
         "--out",
         type=output_folder("table_*", "figure*", "daylight.*", "predicted.json"),
@@ -27,6 +30,11 @@ def add(commands: Commands) -> None:
         nargs="+",
         metavar="FILE.csv",
         help="measured spectra of light; default: a simulated day",
+    )
+    parser.add_argument(
+        "--sky",
+        metavar="SKY",
+        help="a sky that holds its own spectra, as `sky` writes it, a spectral .exr or an .hsr",
     )
     parser.add_argument(
         "--predicted",
@@ -85,6 +93,9 @@ def run(options: argparse.Namespace) -> None:
     from ..evaluation.report import report_day, report_light
     from ..spectra.light import read_light
 
+    if options.sky is not None:
+        _print_sky(options)
+        return
     if not options.predicted:
         # Before colour-science is imported, which puts a dummy where matplotlib is missing.
         new_figure(1.0, 1.0)
@@ -122,6 +133,13 @@ def run(options: argparse.Namespace) -> None:
     if options.json:
         print(json.dumps(result, indent=1, allow_nan=False))
         return
+    _print(groups)
+    for path in result["files"]:
+        print(path)
+
+
+def _print(groups: Mapping[str, Sequence[Mapping[str, Any]]]) -> None:
+    """Print the summaries of methods under titles."""
     for title, methods in groups.items():
         print(f"{title:34} CIEDE2000  mean    p95     max   relative  mean    p95     max")
         for method in methods:
@@ -130,8 +148,25 @@ def run(options: argparse.Namespace) -> None:
                 for measure, digits in (("delta_E", 3), ("relative_error", 4))
             ]
             print(f"  {method['method']:38} {numbers[0]}           {numbers[1]}")
-    for path in result["files"]:
-        print(path)
+
+
+def _print_sky(options: argparse.Namespace) -> None:
+    """Print the errors of every method under one sky."""
+    from ..evaluation.known_sky import evaluate_sky
+    from ..scene.files.exr_decoder import read_sky
+    from ..sky.light import analyse
+
+    for name in ("daylight", "predicted", "camera", "sun_elevation", "out"):
+        if getattr(options, name):
+            option = f"--{name.replace('_', '-')}"
+            raise InputError(option, "does not go with --sky", "leave one of the two out")
+    _, values = chosen_reflectances(options)
+    errors = evaluate_sky(analyse(read_sky(options.sky)), values, options.basis or list(BASES))
+    methods = [method.summary() for method in errors]
+    if options.json:
+        print(json.dumps({"sky": options.sky, "methods": methods}, indent=1, allow_nan=False))
+    else:
+        _print({options.sky: methods})
 
 
 def _print_predicted(options: argparse.Namespace, rho: Any) -> None:

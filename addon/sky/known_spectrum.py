@@ -66,6 +66,16 @@ class KnownSpectrum:
         found = of_cells @ self.cells.reshape(-1, WAVELENGTHS.size)
         return found if self.sun_apart else found + self._of_sun(normals)
 
+    def lit_and_shaded(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the irradiance / pi of faces of normals (n, 3) without the sun and with it.
+
+        (2 n, 81); (n, 81) where there is no sun.
+        """
+        shaded = replace(self, sun_apart=True).irradiance(normals)
+        if self.sun is None:
+            return shaded
+        return np.concatenate([shaded, shaded + self._of_sun(normals)])
+
     def _of_sun(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:
         """The sun's irradiance / pi on faces, (n, 81)."""
         if self.sun is None or self.towards is None:
@@ -103,8 +113,7 @@ class KnownSpectrum:
         less, of single cells; each of luminance 1, times the root of how much it counts."""
         Y = cmfs()[1] * WEIGHTS
         normals = spread(_FACES)
-        faces = replace(self, sun_apart=True).irradiance(normals)
-        faces = np.concatenate([faces, faces + self._of_sun(normals)])
+        faces = self.lit_and_shaded(normals)
         of_faces = faces @ Y
         seen = of_faces > 1e-4 * of_faces.max()
         cells = self.cells.reshape(-1, WAVELENGTHS.size)

@@ -35,6 +35,8 @@ _PREFIXES = {
 
 _LIGHT_SPEED = 299792458.0  # [m/s]
 
+_POSSIBLE = 1.0, 1e6  # [nm]
+
 _SHARP = 10.0
 """Condition number over which sensitivities overlap too much to be told apart."""
 
@@ -66,9 +68,12 @@ def find_spectra(parts: list[Part], place: object) -> SpectralLayout | None:
     for number, part in enumerate(parts):
         for channel in part.channels if not part.deep else ():
             found = _CHANNEL.fullmatch(channel.name)
-            if found and channel.kind and channel.sampling == (1, 1):
+            if not found or not channel.kind or channel.sampling != (1, 1):
+                continue
+            wavelength = _nanometers(*found.group(6, 7, 8))
+            if _POSSIBLE[0] < wavelength < _POSSIBLE[1]:
                 key = number, found[1] or "", found[2]
-                layers.setdefault(key, []).append((_nanometers(*found.group(6, 7, 8)), channel))
+                layers.setdefault(key, []).append((wavelength, channel))
     light = [key for key in layers if key[2] == "S0"]
     kinds = {key[2] for key in layers}
     if not kinds:
