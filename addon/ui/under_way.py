@@ -7,6 +7,7 @@ import time
 import bpy
 
 from ..progress import Progress
+from .translation import translated
 
 SHOWN = 0.3
 """[s] between two looks at the progress: each costs a redraw."""
@@ -42,5 +43,7 @@ def draw(layout: bpy.types.UILayout) -> bool:
     """A bar of what is under way; whether anything is."""
     if _step is None:
         return False
-    layout.progress(factor=_step.done, text=f"{_doing} {_step.line}: {100 * _step.done:.0f} %")
+    doing, line = translated(_doing), translated(_step.line)
+    text = f"{doing} {line}: {100 * _step.done:.0f} %"
+    layout.progress(factor=_step.done, text=translated(text))
     return True

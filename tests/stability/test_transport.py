@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon import progress
+from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.scene.bake import geometry, scene_bake, storage
 from spectral_skylight.addon.scene.bake.light import Light
-from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.transport.bands import COUNT
 from spectral_skylight.addon.transport.radiosity import Direct
 from spectral_skylight.node_groups import baked_light
@@ -292,7 +292,7 @@ def test_normals_inside_out(keep):
         buildings.ground(9, house.data.materials[0])
         if inwards:
             house.data.flip_normals()
-        around = geometry.gather(bpy.context.evaluated_depsgraph_get())
+        around = progress.run(geometry.gathering())
         own = around.of("House")
         assert around.solid[own].all() == (not inwards)
         kinds = np.zeros(len(around.corners), np.int32)

@@ -22,6 +22,7 @@ OWN = (
 
 SENTENCES = (
     "scene/bake/layout.py",
+    "scene/bake/patches.py",
     "scene/bake/scene_bake.py",
     "scene/bake/session.py",
     "scene/clear.py",
