@@ -141,6 +141,32 @@ QUANTITIES: Choices = {
 """What is measured of light, each linear in its spectrum; EDI is CIE S 026's equivalent daylight
 (D65) illuminance. See `spectra.photometry`."""
 
+WEATHERS: Choices = {
+    "clear": Entry("Clear", "Clear air, with the haze that is set"),
+    "cie": Entry("CIE Sky", "A standard general sky of the CIE: how bright each direction is"),
+    "epw": Entry("EPW File", "The measured sun and sky of one hour of a weather file"),
+}
+"""Of simulated skies."""
+
+STANDARD_SKIES: Choices = {
+    "1": Entry("1 Overcast, Steep", "overcast, three times as bright in the zenith"),
+    "2": Entry("2 Overcast, Steep, to Sun", "overcast, steep gradation, brighter towards the sun"),
+    "3": Entry("3 Overcast", "overcast, moderate gradation"),
+    "4": Entry("4 Overcast, to Sun", "overcast, moderate gradation, brighter towards the sun"),
+    "5": Entry("5 Uniform", "uniform, alike in all directions"),
+    "6": Entry("6 Cloudy, Even", "partly cloudy, no gradation, brighter towards the sun"),
+    "7": Entry("7 Cloudy, Even, Bright", "partly cloudy, no gradation, bright around the sun"),
+    "8": Entry("8 Cloudy, Even, Corona", "partly cloudy, no gradation, distinct corona"),
+    "9": Entry("9 Cloudy, Sun Hidden", "partly cloudy, the sun obscured"),
+    "10": Entry("10 Cloudy, Bright", "partly cloudy, bright around the sun"),
+    "11": Entry("11 White-Blue, Corona", "white-blue, distinct corona"),
+    "12": Entry("12 Clear", "clear, little turbidity"),
+    "13": Entry("13 Clear, Polluted", "clear, polluted air"),
+    "14": Entry("14 Cloudless, Turbid", "cloudless and turbid, broad corona"),
+    "15": Entry("15 White-Blue, Turbid", "white-blue and turbid, broad corona"),
+}
+"""The standard general skies of the CIE, ISO 15469:2004, by the number of its Table 1."""
+
 UNITS: Choices = {
     "percent": Entry("Percent", "0 to 100"),
     "fraction": Entry("Fraction", "0 to 1"),

@@ -42,7 +42,7 @@ from .meter.places import Places
 from .meter.room import Room
 from .outcome import Everything, Outcome
 from .plan import Assignments
-from .world import hdri, light_group, own_worlds, panorama, simulated_sky, sky_image
+from .world import hdri, light_group, own_worlds, panorama, simulated_sky
 from .world.settings import Settings, store
 from .write import relighting, write
 
@@ -100,7 +100,7 @@ def loading_sky(
 def simulate_sky(
     scene: bpy.types.Scene, place: simulated_sky.SkyPlace, settings: Settings
 ) -> Outcome:
-    """Light a scene by the clear sky of a date and a place, as `simulating_sky` does."""
+    """Light a scene by the sky of a date and a place, as `simulating_sky` does."""
     return run(simulating_sky(scene, place, settings))
 
 
@@ -110,22 +110,38 @@ def simulating_sky(
     settings: Settings,
     relight: bool = True,
 ) -> Generator[Progress, None, Outcome]:
-    """Light a scene by the clear sky of a date and a place, and let its spectral materials follow;
+    """Light a scene by the sky of a date and a place, and let its spectral materials follow;
     ``relight`` as in `making_spectral`.
 
+    Raises InputError as `simulated_sky.drawing` and `showing_sky` do; the scene is untouched then.
+    """
+    drawn = yield from simulated_sky.drawing(place)
+    return (yield from showing_sky(scene, drawn, settings, relight))
+
+
+def showing_sky(
+    scene: bpy.types.Scene,
+    drawn: simulated_sky.Drawn,
+    settings: Settings,
+    relight: bool = True,
+) -> Generator[Progress, None, Outcome]:
+    """Light a scene by a simulated sky, and let its spectral materials follow; ``relight`` as in
+    `making_spectral`.
+
     What settings say of another sky's numbers (camera, white balance, the sun's elevation) does not
-    hold for this one, which says its own. Raises InputError as `simulated_sky.imaging` does, and
-    for wrong settings; the scene is untouched then.
+    hold for this one, which says its own. Raises InputError for wrong settings and where no
+    material can be changed; the scene is untouched then.
     """
     settings = replace(settings, camera=None, white=None, sun_elevation=None)
     yield from _checking(settings)
     ours, skipped = editable(in_scene(scene))
-    image = yield from simulated_sky.imaging(place)
+    image = simulated_sky.image_of(drawn)
     store(simulated_sky.light(scene, image), settings)
     own_worlds.remove_unused()
-    line = f"{image.name}: sun at {sky_image.sun_elevation(image):.1f}°"
+    line = f"{image.name}: sun at {drawn.elevation:.1f}°"
+    lines = [f"{line}, {drawn.kind}" if drawn.kind else line]
     found = yield from updating(scene, settings, ours, relight)
-    return replace(found, skipped=skipped, lines=[line])
+    return replace(found, skipped=skipped, lines=lines)
 
 
 def develop(scene: bpy.types.Scene, settings: Settings) -> bpy.types.World:

@@ -43,7 +43,7 @@ INDICATRICES = {
 
 @dataclass(frozen=True)
 class Standard:
-    """A standard sky: its groups of gradation and indicatrix, and what it looks like.
+    """A standard sky: its groups of gradation and indicatrix; `STANDARD_SKIES` says how it looks.
 
     ``cover``: the share of its light that is a cloud's. The standard speaks of luminance alone;
     this is ours: 1 where it says overcast, 0 where it says cloudless or clear, else a half.
@@ -51,26 +51,25 @@ class Standard:
 
     gradation: str
     indicatrix: int
-    name: str
     cover: float
 
 
 STANDARDS = {
-    1: Standard("I", 1, "overcast, three times as bright in the zenith", 1.0),
-    2: Standard("I", 2, "overcast, steep gradation, brighter towards the sun", 1.0),
-    3: Standard("II", 1, "overcast, moderate gradation", 1.0),
-    4: Standard("II", 2, "overcast, moderate gradation, brighter towards the sun", 1.0),
-    5: Standard("III", 1, "uniform", 1.0),
-    6: Standard("III", 2, "partly cloudy, no gradation, brighter towards the sun", 0.5),
-    7: Standard("III", 3, "partly cloudy, no gradation, bright around the sun", 0.5),
-    8: Standard("III", 4, "partly cloudy, no gradation, distinct corona", 0.5),
-    9: Standard("IV", 2, "partly cloudy, the sun obscured", 0.5),
-    10: Standard("IV", 3, "partly cloudy, bright around the sun", 0.5),
-    11: Standard("IV", 4, "white-blue, distinct corona", 0.0),
-    12: Standard("V", 4, "clear, little turbidity", 0.0),
-    13: Standard("V", 5, "clear, polluted air", 0.0),
-    14: Standard("VI", 5, "cloudless and turbid, broad corona", 0.0),
-    15: Standard("VI", 6, "white-blue and turbid, broad corona", 0.0),
+    1: Standard("I", 1, 1.0),
+    2: Standard("I", 2, 1.0),
+    3: Standard("II", 1, 1.0),
+    4: Standard("II", 2, 1.0),
+    5: Standard("III", 1, 1.0),
+    6: Standard("III", 2, 0.5),
+    7: Standard("III", 3, 0.5),
+    8: Standard("III", 4, 0.5),
+    9: Standard("IV", 2, 0.5),
+    10: Standard("IV", 3, 0.5),
+    11: Standard("IV", 4, 0.0),
+    12: Standard("V", 4, 0.0),
+    13: Standard("V", 5, 0.0),
+    14: Standard("VI", 5, 0.0),
+    15: Standard("VI", 6, 0.0),
 }
 """By the number of the standard's Table 1."""
 

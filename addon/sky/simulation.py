@@ -8,6 +8,7 @@ and keeps the result on disk under a name made of all that went into it.
 from __future__ import annotations
 
 import os
+from collections.abc import Generator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -18,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..bar import Bar
 from ..choices import listed
 from ..errors import InputError, parameter
+from ..progress import Progress, aside, run
 from ..spectra import cache
 from ..spectra.grid import WAVELENGTHS
 from ..spectra.sunlight import extraterrestrial_sunlight
@@ -151,6 +153,31 @@ def simulate(
     InputError
         Elevation, orders, quality or seed out of range.
     """
+    bar = Bar()
+
+    def show(step: Progress) -> None:
+        if progress:
+            bar.show(step.line, step.done)
+
+    try:
+        steps = simulating(
+            sun_elevation, atmosphere, orders=orders, quality=quality, seed=seed, cached=cached
+        )
+        return run(steps, show)
+    finally:
+        bar.close()
+
+
+def simulating(
+    sun_elevation: float,
+    atmosphere: Atmosphere | None = None,
+    *,
+    orders: int | None = None,
+    quality: str | Quality = "preview",
+    seed: int = 0,
+    cached: bool = True,
+) -> Generator[Progress, None, SimulatedSky]:
+    """Do as `simulate` does, yielding several times a second how far it is."""
     if not LOWEST_SUN <= sun_elevation <= 90.0:
         raise InputError(
             parameter("sun_elevation"), f"{sun_elevation:g}°", f"give {LOWEST_SUN:g} to 90"
@@ -176,7 +203,7 @@ def simulate(
     path = cache.place("sky", content, *code) if cached else None
     arrays = cache.load(path)
     if arrays is None:
-        arrays = _simulate(sun_elevation, atmosphere, orders, quality, seed, progress)
+        arrays = yield from _simulating(sun_elevation, atmosphere, orders, quality, seed)
         cache.save(path, arrays)
     return SimulatedSky(sun_elevation, atmosphere, **arrays)
 
@@ -190,23 +217,25 @@ only molecules of air scatter and nothing absorbs (``haze``, ``ozone``, ``water`
 """
 
 
-def _simulate(
+def _simulating(
     sun_elevation: float,
     atmosphere: Atmosphere,
     orders: int | None,
     quality: Quality,
     seed: int,
-    progress: bool,
-) -> dict[str, NDArray]:
+) -> Generator[Progress, None, dict[str, NDArray]]:
     sunlight = extraterrestrial_sunlight()
     sun = direction(np.radians(sun_elevation), 0.0)
-    once = scattered_once(medium(atmosphere), sun, _views(*quality.once)) * sunlight
+    once = yield from aside(
+        Progress(0.0, "sky"), scattered_once, medium(atmosphere), sun, _views(*quality.once)
+    )
+    once = once * sunlight
     more = np.zeros((3, *quality.more, WAVELENGTHS.size), np.float32)
     error = np.zeros((*quality.more, WAVELENGTHS.size), np.float32)
     if orders != 1:
         matter = medium(atmosphere, quality.shells)
-        mean, variance = _follow_all(
-            matter, sun, _views(*quality.more), quality.ways, seed, orders, progress
+        mean, variance = yield from _follow_all(
+            matter, sun, _views(*quality.more), quality.ways, seed, orders
         )
         more[...] = (mean * sunlight).reshape(more.shape)
         error[...] = (np.sqrt(variance) * sunlight).reshape(error.shape)
@@ -225,8 +254,7 @@ def _follow_all(
     ways: int,
     seed: int,
     last: int | None,
-    progress: bool,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> Generator[Progress, None, tuple[NDArray[np.float64], NDArray[np.float64]]]:
     """Follow the ways of all directions on all processors.
 
     Returns the means, (3, m, 81), without the first order, and their sum's variance, (m, 81).
@@ -239,14 +267,14 @@ def _follow_all(
         return follow(matter, sun, views[first : first + together], ways, random, last)
 
     starts = range(0, len(views), together)
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        bar, done = Bar(), []
-        for each in pool.map(part, starts):
-            done.append(each)
-            if progress:
-                bar.show("sky", len(done) / len(starts))
-        bar.close()
-        means, squares = zip(*done, strict=True)
+    workers = os.cpu_count() or 1
+    done: list[tuple[NDArray, NDArray]] = []
+    with ThreadPoolExecutor(workers) as pool:
+        for k in range(0, len(starts), workers):
+            step = Progress(len(done) / len(starts), "sky")
+            done += yield from aside(step, list, pool.map(part, starts[k : k + workers]))
+            yield step
+    means, squares = zip(*done, strict=True)
     mean, square = np.concatenate(means, axis=1)[1:], np.concatenate(squares)
     return mean, np.maximum(square - mean.sum(axis=0) ** 2, 0.0) / max(ways - 1, 1)
 

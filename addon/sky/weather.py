@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from ..choices import STANDARD_SKIES
 from ..errors import InputError, parameter
 from .all_weather import SOLAR_CONSTANT, all_weather_sky
-from .cie_skies import STANDARDS, cie_sky
+from .cie_skies import cie_sky
 from .clear_sky import Sky
 from .epw import WeatherHour
 from .simulation import SimulatedSky
@@ -30,7 +31,7 @@ def under_weather(
         return sky, f"sky of {hour.station.name}: {measured}, {100 * sky.cover:.0f} % cloud"
     if cie is not None:
         found = cie_sky(cie, clear, illuminance)
-        return found, f"CIE standard sky {cie}, {STANDARDS[cie].name}"
+        return found, f"CIE standard sky {cie}, {STANDARD_SKIES[str(cie)].description}"
     if illuminance is not None:
         cure = f"give {parameter('cie')} too"
         raise InputError(parameter("illuminance"), "is of a standard sky", cure)

@@ -104,7 +104,7 @@ def _tick() -> float | None:
     if _work is None and _asked is None:
         return None
     window = next(iter(bpy.context.window_manager.windows), None)
-    if window is None or _busy(window):
+    if window is None or busy(window):
         return PAUSE
     with bpy.context.temp_override(window=window):
         if _asked is not None:
@@ -118,7 +118,7 @@ def _tick() -> float | None:
     return 0.01
 
 
-def _busy(window: bpy.types.Window) -> bool:
+def busy(window: bpy.types.Window) -> bool:
     """Whether a person is in the middle of something that the bake must not disturb."""
     return (
         bpy.app.is_job_running("RENDER")

@@ -6,7 +6,7 @@ from . import follow, give, operator, place, properties
 
 
 class SKYLIGHT_OT_make_sky(operator.Long, bpy.types.Operator):
-    """Simulate the clear sky of a date and a place, light the scene with it, and update the \
+    """Simulate the sky of a date, a place and a weather, light the scene with it, and update the \
 spectral materials"""
 
     bl_idname = "skylight.make_sky"
@@ -19,13 +19,8 @@ spectral materials"""
         return context.window_manager.invoke_props_dialog(self, width=320)
 
     def draw(self, context):
-        layout, chosen = self.layout, context.scene.skylight_place
-        layout.use_property_split = True
-        layout.use_property_decorate = False
-        for group in place.FIELDS:
-            column = layout.column(align=True)
-            for name in group:
-                column.prop(chosen, name)
+        self.layout.use_property_decorate = False
+        place.draw(self.layout, context.scene.skylight_place)
 
     def work(self, context):
         from ..scene import use_cases
@@ -34,9 +29,14 @@ spectral materials"""
         settings = properties.settings_of(scene.world)
         chosen, relight = place.sky_place(scene.skylight_place), not follow.follows(settings)
         found = yield from use_cases.simulating_sky(scene, chosen, settings, relight)
-        count = f", {len(found.results)} material(s) updated" if found.results else ""
-        lines = [("INFO", f"{line}{count}") for line in found.lines]
-        return [*give.warnings(found.skipped), *lines, *operator.of_light(scene)]
+        return report(scene, found)
+
+
+def report(scene: bpy.types.Scene, found) -> list[tuple[str, str]]:
+    """What came of a simulated sky, an `Outcome`, as lines for the person."""
+    count = f", {len(found.results)} material(s) updated" if found.results else ""
+    lines = [("INFO", f"{line}{count}") for line in found.lines]
+    return [*give.warnings(found.skipped), *lines, *operator.of_light(scene)]
 
 
 CLASSES = (SKYLIGHT_OT_make_sky,)

@@ -4,6 +4,7 @@ import bpy
 
 STEPS = (
     ("open_example", "load_sky", "use_world", "make_sky", "make_spectral", "update", "remove_all"),
+    ("refine_sky", "stop_refining"),
     ("choose_reflectance", "apply", "apply_selected", "apply_all", "estimate"),
     ("remove", "remove_selected"),
     ("explain", "measure"),

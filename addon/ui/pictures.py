@@ -101,12 +101,12 @@ class SKYLIGHT_PT_sky_map(panels.OfWorld, bpy.types.Panel):
     def draw(self, context):
         from ..scene import portraits
 
-        world, theme = context.scene.world, _theme()
+        world, theme = context.scene.world, theme_name()
         sky = portraits.sky_key(world)
         if sky is None:
             panel_text.paragraph(self.layout, context, "Make a material spectral to show the map")
             return
-        _picture(self.layout, context, (sky, theme), partial(_draw_sky, world.session_uid, theme))
+        picture(self.layout, context, (sky, theme), partial(_draw_sky, world.session_uid, theme))
         text = "Magenta marks light that is not from sun or sky: leaves, walls, lamps, a tint"
         panel_text.paragraph(self.layout, context, text)
 
@@ -164,11 +164,11 @@ def _draw_material(portrait: Any, method: str, theme: str) -> Any:
 
 def _show(layout, context, portrait, method: str) -> None:
     """Show one of a portrait's pictures."""
-    key = (portrait, method, _theme())
-    _picture(layout, context, key, partial(_draw_material, *key))
+    key = (portrait, method, theme_name())
+    picture(layout, context, key, partial(_draw_material, *key))
 
 
-def _picture(layout, context, key, draw) -> None:
+def picture(layout, context, key, draw) -> None:
     """Show a picture as wide as the panel; a word where there is none yet."""
     found = preview_cache.icon(key, draw)
     if found:
@@ -186,7 +186,7 @@ def _scale(context) -> float:
     return min(max(width / unit - 2.5, 6.0), 18.0)
 
 
-def _theme() -> str:
+def theme_name() -> str:
     """Which of the pictures' themes goes with Blender's."""
     text = bpy.context.preferences.themes[0].user_interface.wcol_regular.text
     return "dark" if sum(text[:3]) > 1.5 else "light"

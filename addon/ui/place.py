@@ -11,6 +11,71 @@ from typing import Any
 
 import bpy
 
+from ..choices import STANDARD_SKIES, WEATHERS, items
+from ..errors import InputError
+
+NEAR = 0.01
+"""[degrees] from a city that is still there: as its place is rounded."""
+
+
+def _cities(self, context, typed) -> list[str]:
+    """Cities whose name begins with what is typed."""
+    from ..sky import cities
+
+    return cities.suggestions(typed)
+
+
+def _go_to_city(self, context) -> None:
+    """Take place and time zone of the city; a name that no city has is not kept."""
+    from ..sky import cities
+
+    if not self.city:
+        return
+    try:
+        found = cities.city(self.city)
+    except InputError:
+        self.city = ""
+        return
+    if self.city == found.label and self.timezone == found.timezone and not _is_away(self, found):
+        return
+    self.city = ""  # each of these would say that it is left
+    self.latitude, self.longitude, self.timezone = found.latitude, found.longitude, found.timezone
+    self.city = found.label  # which comes here once more
+
+
+def _leave_city(self, context) -> None:
+    """A place that was typed is no longer the city's."""
+    from ..sky import cities
+
+    if not self.city:
+        return
+    try:
+        found = cities.city(self.city)
+    except InputError:
+        return
+    if _is_away(self, found):
+        self.city = ""
+
+
+def _is_away(chosen, city) -> bool:
+    """Whether a place is not in a city."""
+    away = abs(chosen.latitude - city.latitude), abs(chosen.longitude - city.longitude)
+    return max(away) > NEAR
+
+
+def _go_to_station(self, context) -> None:
+    """Take place and time zone of a weather file; what is wrong with it is said when it is used."""
+    from ..sky.epw import read_station
+
+    if not self.epw:
+        return
+    try:
+        found = read_station(bpy.path.abspath(self.epw))
+    except InputError:
+        return
+    self.city = ""
+    self.latitude, self.longitude, self.timezone = found.latitude, found.longitude, found.timezone
+
 
 def _zones(self, context, typed) -> list[str]:
     """Names of time zones, listed when the field is opened."""
@@ -20,7 +85,7 @@ def _zones(self, context, typed) -> list[str]:
 
 
 class SkylightPlace(bpy.types.PropertyGroup):
-    """Date, time, place and air of a simulated sky."""
+    """Date, time, place, weather and air of a simulated sky."""
 
     year: bpy.props.IntProperty(
         name="Year", description="Year in the Gregorian calendar", min=1, max=3000, default=2025
@@ -44,12 +109,20 @@ class SkylightPlace(bpy.types.PropertyGroup):
         search=_zones,
         search_options={"SUGGESTION"},
     )
+    city: bpy.props.StringProperty(
+        name="City",
+        description="City whose place and time zone to take. Type the first letters of its name",
+        search=_cities,
+        search_options={"SUGGESTION"},
+        update=_go_to_city,
+    )
     latitude: bpy.props.FloatProperty(
         name="Latitude",
         description="Latitude in degrees, north is positive",
         min=-90.0,
         max=90.0,
         precision=4,
+        update=_leave_city,
     )
     longitude: bpy.props.FloatProperty(
         name="Longitude",
@@ -57,6 +130,7 @@ class SkylightPlace(bpy.types.PropertyGroup):
         min=-180.0,
         max=180.0,
         precision=4,
+        update=_leave_city,
     )
     north: bpy.props.FloatProperty(
         name="North",
@@ -64,6 +138,21 @@ class SkylightPlace(bpy.types.PropertyGroup):
         min=-360.0,
         max=360.0,
         precision=2,
+    )
+    weather: bpy.props.EnumProperty(
+        name="Weather", description="What clouds and haze make of the sky", items=items(WEATHERS)
+    )
+    cie: bpy.props.EnumProperty(
+        name="CIE Sky",
+        description="Standard general sky, ISO 15469",
+        items=items(STANDARD_SKIES),
+    )
+    epw: bpy.props.StringProperty(
+        name="EPW File",
+        description="EnergyPlus weather file. It says place and time zone; the time is its "
+        "standard time all year, and the hour is the one that the time falls in",
+        subtype="FILE_PATH",
+        update=_go_to_station,
     )
     haze: bpy.props.FloatProperty(
         name="Haze",
@@ -97,13 +186,24 @@ class SkylightPlace(bpy.types.PropertyGroup):
     )
 
 
-FIELDS = (
-    ("year", "month", "day"),
-    ("time", "timezone"),
-    ("latitude", "longitude", "north"),
-    ("haze", "ozone", "ground"),
-)
-"""As the dialog shows them."""
+def draw(layout: bpy.types.UILayout, chosen: SkylightPlace) -> None:
+    """Show the fields: where, when, in which weather, through what air."""
+    layout.use_property_split = True
+    column = layout.column(align=True)
+    column.enabled = chosen.weather != "epw"  # which says them itself
+    for name in ("city", "latitude", "longitude", "timezone"):
+        column.prop(chosen, name)
+    layout.prop(chosen, "north")
+    column = layout.column(align=True)
+    for name in ("year", "month", "day", "time"):
+        column.prop(chosen, name)
+    column = layout.column(align=True)
+    column.prop(chosen, "weather")
+    if chosen.weather != "clear":
+        column.prop(chosen, chosen.weather)
+    column = layout.column(align=True)
+    for name in ("haze", "ozone", "ground"):
+        column.prop(chosen, name)
 
 
 def sky_place(chosen: SkylightPlace):
@@ -121,6 +221,9 @@ def sky_place(chosen: SkylightPlace):
         date=f"{chosen.year:04}-{chosen.month:02}-{chosen.day:02}",
         time=f"{minutes // 60:02}:{minutes % 60:02}:{second:02}",
         timezone=chosen.timezone.strip(),
+        weather=chosen.weather,
+        cie=int(chosen.cie),
+        epw=bpy.path.abspath(chosen.epw) if chosen.epw else "",
         **numbers,
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..errors import InputError
-from . import panel_text, under_way
+from . import panel_text, place_box, under_way
 from .labels import told
 from .translation import translated
 
@@ -53,6 +53,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     part.enabled = seen.background is not None
     part.prop(world.skylight, "exposure")
     row.operator("skylight.make_sky", text="", icon="LIGHT_SUN")
+    place_box.draw(box, context, seen.image)
     if details:
         header, body = box.panel("skylight_about_sky", default_closed=True)
         header.label(text="About This Sky")

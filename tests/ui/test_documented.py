@@ -74,6 +74,7 @@ def test_whatever_changes_the_file_can_be_undone(addon):
         "explain",
         "measure",
         "stop_light",
+        "stop_refining",
         "batch_write",
         "batch_start",
         "batch_cancel",

@@ -7,10 +7,19 @@ import bpy
 import numpy as np
 import pytest
 
-from spectral_skylight.addon.scene.world import hdri, light_group, panorama, settings
+from spectral_skylight.addon import choices
+from spectral_skylight.addon.scene.world import (
+    hdri,
+    light_group,
+    panorama,
+    settings,
+    simulated_sky,
+)
+from spectral_skylight.addon.sky import simulation
 from spectral_skylight.addon.sky.sun_position import sun_position
 from spectral_skylight.addon.spectra.sensitivities import observer
-from spectral_skylight.addon.ui import make_sky, panels, place
+from spectral_skylight.addon.ui import make_sky, panels, place, preview_cache, refine_sky
+from spectral_skylight.tests.sky.test_all_weather import epw, row
 from spectral_skylight.tests.ui import stage
 from spectral_skylight.tests.ui.test_undo import check
 
@@ -126,15 +135,161 @@ def test_what_is_refused(scene, values, part):
 
 
 def test_the_dialog_shows_every_field(scene):
-    shown = stage.Recorder()
-    make_sky.SKYLIGHT_OT_make_sky.draw(SimpleNamespace(layout=shown), bpy.context)
+    shown = set()
+    for weather in choices.WEATHERS:
+        choose(scene, weather=weather)
+        recorder = stage.Recorder()
+        make_sky.SKYLIGHT_OT_make_sky.draw(SimpleNamespace(layout=recorder), bpy.context)
+        assert ("epw" in recorder.properties, "cie" in recorder.properties) == (
+            weather == "epw",
+            weather == "cie",
+        )
+        shown |= {*recorder.properties}
     fields = {each.identifier for each in place.SkylightPlace.bl_rna.properties}
-    assert {*shown.properties} == fields - {"rna_type", "name", "taken"}
+    assert shown == fields - {"rna_type", "name", "taken"}
     scene.world = None
     assert "skylight.make_sky" in stage.drawn(panels.SKYLIGHT_PT_main).operators
-    choose(scene)
+
+
+def test_a_city_gives_place_and_zone_until_one_types_another(scene):
+    chosen = scene.skylight_place
+    chosen.city = "munchen"
+    assert chosen.city == "München, Germany" and chosen.timezone == "Europe/Berlin"
+    assert (chosen.latitude, chosen.longitude) == pytest.approx((48.14, 11.58))
+    chosen.latitude = 48.141  # the same city
+    assert chosen.city == "München, Germany"
+    chosen.latitude = 47.0
+    assert chosen.city == "" and chosen.longitude == pytest.approx(11.58)
+    chosen.city = "Entenhausen"
+    assert chosen.city == "" and chosen.latitude == 47.0
+    assert place._cities(chosen, bpy.context, "reykjav") == ["Reykjavík, Iceland"]
+
+
+def test_what_is_a_number_can_be_keyed(scene):
+    chosen = scene.skylight_place
+    numbers = [
+        each.identifier
+        for each in chosen.bl_rna.properties
+        if each.type in ("INT", "FLOAT", "ENUM")
+    ]
+    assert len(numbers) == 12
+    for name in numbers:
+        assert chosen.keyframe_insert(name, frame=1), name
+    chosen.time = 18.0
+    chosen.keyframe_insert("time", frame=13)
+    scene.frame_set(7)
+    assert place.sky_place(chosen).time == "15:00:00"
+
+
+def test_an_overcast_sky_by_the_panel(scene):
+    choose(scene, weather="cie", cie="1")
     bpy.ops.skylight.make_sky()
-    assert "skylight.make_sky" in stage.drawn(panels.SKYLIGHT_PT_main).operators
+    light = light_of(scene)
+    assert light.sun is None  # it has no disc
+    # Three times as bright in the zenith as on the horizon, whichever azimuth.
+    luminance = light.sky @ [0.2126, 0.7152, 0.0722]
+    assert luminance[0].mean() / luminance[len(luminance) // 2 - 1].mean() > 2.7
+    assert any("CIE standard sky 1, overcast" in note for note in light.notes)
+    text = stage.drawn(panels.SKYLIGHT_PT_main).text
+    assert "Date and Place" in text and "Sun Paths" in text
+
+
+def test_the_hour_of_a_weather_file_by_the_panel(scene, tmp_path):
+    path = epw(tmp_path / "a.epw", [row(15, 700, 120)])
+    chosen = scene.skylight_place
+    choose(scene, weather="epw", time=14.5, city="Berlin")
+    assert "no file is chosen" in stage.error_of(bpy.ops.skylight.make_sky)
+    chosen.epw = str(path)
+    assert (chosen.city, chosen.timezone) == ("", "+1")
+    assert (chosen.latitude, chosen.longitude) == pytest.approx((47.4, 8.6))
+    chosen.latitude = 10.0  # the file's holds
+    bpy.ops.skylight.make_sky()
+    elevation, _ = sun_position("2025-06-21", "14:30", 47.4, 8.6, "+1")
+    light = light_of(scene)
+    assert light.known_elevation == pytest.approx(elevation)
+    assert any("direct 700 and diffuse 120 W/m²" in note for note in light.notes)
+    chosen.time = 3.0
+    assert "has no hour 4" in stage.error_of(bpy.ops.skylight.make_sky)
+
+
+def test_the_suns_paths_are_in_the_panel(scene):
+    choose(scene, city="Berlin")
+    bpy.ops.skylight.make_sky()
+    preview_cache.clear()
+    stage.drawn(panels.SKYLIGHT_PT_main)
+    preview_cache.draw_wanted()
+    (key,) = preview_cache._names
+    assert key[0].date == "2025-06-21" and key[1] == "Berlin, Germany"
+    assert len(preview_cache.pixels(key)) == 480 * 480 * 4
+    scene.skylight_place.month = 2
+    scene.skylight_place.day = 30
+    stage.drawn(panels.SKYLIGHT_PT_main)
+    preview_cache.draw_wanted()
+    assert "Date: '2025-02-30" in stage.drawn(panels.SKYLIGHT_PT_main).text
+    preview_cache.clear()
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """A reference that takes no minute, and a preview that takes no second."""
+    for name, ways in (("preview", 64), ("reference", 128)):
+        rough = simulation.Quality(once=(24, 9), more=(8, 5), ways=ways, shells=20)
+        monkeypatch.setitem(simulation.QUALITIES, name, rough)
+
+
+def made(scene):
+    return simulated_sky.made_of(hdri.sky_of(scene.world).image)
+
+
+def test_a_refined_sky_is_the_same_sky(scene, brick, quick):
+    bpy.ops.skylight.apply(filepath=brick, column="brick")
+    assert not bpy.ops.skylight.refine_sky.poll()  # an HDRI
+    choose(scene, haze=0.1)
+    bpy.ops.skylight.make_sky()
+    before, light = made(scene), light_of(scene)
+    assert before[1] == "preview" and before[0].haze == pytest.approx(0.1)
+    choose(scene, time=8.0)  # typed, and not simulated
+    bpy.ops.skylight.refine_sky()
+    after = made(scene)
+    assert after == (before[0], "reference")
+    assert hdri.sky_of(scene.world).name == "Sky 2025-06-21 12:00"
+    found = light_of(scene)
+    assert found.known_elevation == light.known_elevation
+    # Of some percent of noise.
+    np.testing.assert_allclose(found.faces[0], light.faces[0], rtol=0.1)
+    assert (found.faces[0] != light.faces[0]).all()
+    assert not bpy.ops.skylight.refine_sky.poll()
+
+
+def test_refining_goes_on_between_events(scene, quick, monkeypatch):
+    monkeypatch.setattr(refine_sky.follow, "busy", lambda window: False)
+    choose(scene)
+
+    def begin():
+        bpy.ops.skylight.make_sky()
+        refine_sky.begin(scene)
+        assert not bpy.ops.skylight.refine_sky.poll()
+        assert "skylight.stop_refining" in stage.drawn(panels.SKYLIGHT_PT_main).operators
+
+    begin()
+    while refine_sky.work() is not None:
+        assert refine_sky._tick() is not None
+    assert refine_sky._tick() is None and made(scene)[1] == "reference"
+    choose(scene, time=10.0)
+    begin()
+    refine_sky._tick()
+    bpy.ops.skylight.stop_refining()
+    assert refine_sky._tick() is None and made(scene)[1] == "preview"
+    begin()
+    choose(scene, time=11.0)
+    bpy.ops.skylight.make_sky()  # meanwhile
+    while refine_sky.work() is not None:
+        refine_sky._tick()
+    assert made(scene)[0].time == "11:00:00" and made(scene)[1] == "preview"
+    assert "not refined" in stage.drawn(panels.SKYLIGHT_PT_main).text
+    begin()
+    assert "not refined" not in stage.drawn(panels.SKYLIGHT_PT_main).text
+    refine_sky.drop()
 
 
 class SunPosition(bpy.types.PropertyGroup):

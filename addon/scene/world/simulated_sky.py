@@ -1,13 +1,17 @@
-"""A clear sky of a date and a place as the sky of a scene, in the blend file alone."""
+"""A sky of a date, a place and a weather as the sky of a scene, in the blend file alone."""
 
 from __future__ import annotations
 
 from collections.abc import Generator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
 from ... import tags
+from ...choices import QUALITIES, WEATHERS, default
 from ...errors import InputError, parameter
 from ...progress import Progress, aside
 from . import hdri, sky_image
@@ -18,11 +22,13 @@ HEIGHT = 512
 
 @dataclass(frozen=True)
 class SkyPlace:
-    """When and where a sky is seen, and through what air.
+    """When and where a sky is seen, in which weather, and through what air.
 
     ``date``, ``time``, ``timezone``, ``latitude`` and ``longitude`` as `sky.sun_position` takes
     them; ``north``: the direction of true north in the scene [degrees], clockwise from +Y as seen
-    from above; ``haze``, ``ozone`` and ``ground`` as `sky.atmosphere.Atmosphere` does.
+    from above; ``haze``, ``ozone`` and ``ground`` as `sky.atmosphere.Atmosphere` does;
+    ``weather``: one of `choices.WEATHERS`; ``cie``: the number of a standard sky; ``epw``: the path
+    of a weather file, which says place and time zone itself.
     """
 
     date: str
@@ -34,36 +40,92 @@ class SkyPlace:
     haze: float = 0.05
     ozone: float = 300.0
     ground: float = 0.2
+    weather: str = "clear"
+    cie: int = 1
+    epw: str = ""
 
 
-def imaging(place: SkyPlace) -> Generator[Progress, None, bpy.types.Image]:
-    """Simulate the sky of a place, its sun included, and return it as a packed image.
+@dataclass(frozen=True)
+class Drawn:
+    """A simulated sky as it becomes an image: numbers alone, nothing of Blender.
 
-    About a second on two processors. Raises InputError as `sun_position` and `Atmosphere` do, and
-    for a sun lower than skies are simulated; nothing is made then.
+    ``rgb`` (h, 2 h, 3) in linear Rec.709; ``attributes``: of its EXR; ``elevation``: the sun's
+    [degrees]; ``kind``: what the sky is called, empty for a clear one; ``place`` and ``quality``:
+    what it was made of.
+    """
+
+    rgb: NDArray[np.float32]
+    attributes: dict[str, Any]
+    elevation: float
+    kind: str
+    place: SkyPlace
+    quality: str
+
+    @property
+    def name(self) -> str:
+        """Of the image."""
+        return f"Sky {self.place.date} {self.place.time[:5]}"
+
+
+def drawing(place: SkyPlace, quality: str = default(QUALITIES)) -> Generator[Progress, None, Drawn]:
+    """Simulate the sky of a place, its sun included, yielding how far it is.
+
+    The preview takes about a second on two processors. Raises InputError as `sun_position`,
+    `Atmosphere`, `read_hour` and `under_weather` do, and for a sun lower than skies are simulated.
     """
     from ...sky.atmosphere import Atmosphere
     from ...sky.clear_sky import SCALE, header_of, picture
-    from ...sky.simulation import LOWEST_SUN, simulate
+    from ...sky.epw import read_hour
+    from ...sky.simulation import LOWEST_SUN, simulating
     from ...sky.sun_position import sun_position
+    from ...sky.weather import under_weather
     from ...spectra.sensitivities import observer
 
-    where = (place.date, place.time, place.latitude, place.longitude, place.timezone)
-    elevation, azimuth = sun_position(*where)
+    hour = None
+    where = place.latitude, place.longitude, place.timezone
+    if place.weather == "epw":
+        if not place.epw:
+            raise InputError(parameter("epw"), "no file is chosen", "choose an EPW weather file")
+        hour = read_hour(place.epw, place.date, place.time)
+        where = hour.station.latitude, hour.station.longitude, hour.station.timezone
+    elevation, azimuth = sun_position(place.date, place.time, *where)
     if elevation < LOWEST_SUN:
         problem = f"the sun is {-elevation:.1f}° below the horizon"
         cure = f"skies are simulated down to {LOWEST_SUN:g}°: give another time"
         raise InputError(parameter("time"), problem, cure)
+    cie = place.cie if place.weather == "cie" else None
+    if place.weather != "clear" and elevation <= 0.0:
+        cure = f"{WEATHERS[place.weather].label} needs one over it: give another time"
+        raise InputError(parameter("time"), f"the sun is {-elevation:.1f}° below the horizon", cure)
     air = Atmosphere(haze=place.haze, ozone=place.ozone, ground=place.ground)
+    clear = yield from simulating(elevation, air, quality=quality)
     view = azimuth + place.north, elevation > 0.0
-    name = f"Sky {place.date} {place.time[:5]}"
 
-    def simulated():
-        sky = simulate(elevation, air)
-        return picture(sky, HEIGHT, *view, observer() * SCALE), header_of(sky, *view)
+    def drawn():
+        sky, kind = under_weather(clear, cie=cie, hour=hour)
+        rgb = picture(sky, HEIGHT, *view, observer() * SCALE)
+        kind = "" if sky is clear else kind
+        return Drawn(rgb, header_of(sky, *view), elevation, kind, place, quality)
 
-    rgb, header = yield from aside(Progress(0.0, name), simulated)
-    return sky_image.simulated(name, rgb, header, elevation)
+    return (yield from aside(Progress(1.0, "sky"), drawn))
+
+
+def image_of(drawn: Drawn) -> bpy.types.Image:
+    """Return a simulated sky as a packed image."""
+    made = {"place": asdict(drawn.place), "quality": drawn.quality}
+    notes = [drawn.kind] if drawn.kind else []
+    return sky_image.simulated(
+        drawn.name, drawn.rgb, drawn.attributes, {**made, "notes": notes}, drawn.elevation
+    )
+
+
+def made_of(image: bpy.types.Image) -> tuple[SkyPlace, str] | None:
+    """Return the place of a sky that we simulated, and the quality; None of any other image."""
+    found = sky_image.made(image)
+    try:
+        return SkyPlace(**found["place"]), str(found["quality"])
+    except (KeyError, TypeError):  # of an earlier version, or overwritten
+        return None
 
 
 def light(scene: bpy.types.Scene, image: bpy.types.Image) -> bpy.types.World:

@@ -92,18 +92,28 @@ def _packed(path: Path, sky: Panorama, raw: bool) -> bpy.types.Image:
 
 
 def simulated(
-    name: str, rgb: NDArray[np.float32], attributes: Mapping[str, Any], elevation: float
+    name: str,
+    rgb: NDArray[np.float32],
+    attributes: Mapping[str, Any],
+    made: Mapping[str, Any],
+    elevation: float,
 ) -> bpy.types.Image:
     """Keep a sky that was simulated, (h, 2 h, 3) in linear Rec.709, in the blend file.
 
-    ``attributes``: of the EXR that is packed; ``elevation``: the sun's [degrees].
+    ``attributes``: of the EXR that is packed; ``made``: what is kept with the image, as JSON has
+    it; ``elevation``: the sun's [degrees].
     """
     image = _in_file(f"{name.replace(':', '')}.exr", rgb, attributes)
     image.colorspace_settings.name = DEFAULT_SPACE
     image.use_half_precision = False  # the sun's disc is brighter than 65504
     image.name = name
-    image[tags.SKY] = json.dumps({"sun_elevation": elevation})
+    image[tags.SKY] = json.dumps({"sun_elevation": elevation, **made})
     return image
+
+
+def made(image: bpy.types.Image) -> dict[str, Any]:
+    """Return what is kept with a sky that we simulated; empty of any other."""
+    return {} if sun_elevation(image) is None else _kept(image)
 
 
 def sun_elevation(image: bpy.types.Image) -> float | None:
