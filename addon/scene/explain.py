@@ -139,7 +139,9 @@ def _of_sky(plan: planning.Plan) -> Iterator[Step]:
         "Sky", f"{light.name}, upward RGB {_numbers(light.faces[0])}", light.faces[0].tolist()
     )
     told, found = settings.sun_elevation, light.sun_elevation(settings.sun_elevation)
-    if found is None:
+    if found is None and light.spectrum is not None:
+        text = "not known, and not needed: the sky's spectrum is known"
+    elif found is None:
         text = "not known: daytime is assumed"
     else:
         text = f"{found:.1f}°, {'as set' if told is not None else 'found in the HDRI'}"

@@ -119,7 +119,7 @@ def _of_exr(path: Path, size: int, decode: Decode) -> Panorama | None:
     if layout.absolute:
         header["whiteLuminance"] = WHITE_LUMINANCE
     onto = to_grid(layout.wavelengths) @ layout.sharpen
-    return _spectral(path, samples, layout.wavelengths, onto, layout.notes, header)
+    return _spectral(path, samples, onto, layout.notes, header)
 
 
 def _of_hsr(path: Path) -> Panorama:
@@ -127,13 +127,12 @@ def _of_hsr(path: Path) -> Panorama:
     radiance, wavelengths, header, notes = read_hsr(path)
     check_wavelengths(wavelengths, path)
     header["whiteLuminance"] = WHITE_LUMINANCE
-    return _spectral(path, radiance, wavelengths, to_grid(wavelengths), notes, header)
+    return _spectral(path, radiance, to_grid(wavelengths), notes, header)
 
 
 def _spectral(
     path: Path,
     samples: NDArray[np.float32],
-    wavelengths: NDArray[np.float64],
     onto: NDArray[np.float64],
     notes: Sequence[str],
     header: Mapping[str, Any],
@@ -141,9 +140,7 @@ def _spectral(
     """Return a sky of spectra (h, w, n) as the observer sees it, in Linear Rec.709."""
     rgb, spectrum = spectral_sky(samples, onto, path)
     sky = from_pixels(rgb, str(path), header)
-    low, high = wavelengths[[0, -1]]
-    read = f"spectra at {wavelengths.size} wavelengths, {low:g} to {high:g} nm"
-    return replace(sky, notes=(read, *notes, *sky.notes), spectrum=spectrum)
+    return replace(sky, notes=(*notes, *sky.notes), spectrum=spectrum)
 
 
 def _convert(rgb: NDArray[np.float32], said: Declared, raw: bool) -> None:

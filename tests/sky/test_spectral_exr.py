@@ -7,9 +7,11 @@ import pytest
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.sky.clear_sky import SCALE, picture
 from spectral_skylight.addon.sky.exr_file import decode_by_openexr
+from spectral_skylight.addon.sky.exr_header import header_of
 from spectral_skylight.addon.sky.light import analyse
 from spectral_skylight.addon.sky.panorama import read_panorama, write_spectral
 from spectral_skylight.addon.sky.simulation import simulate
+from spectral_skylight.addon.sky.spectral_layout import find_spectra
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.tests.sky.spectral_files import radiance, stokes, write_fichet
@@ -75,7 +77,8 @@ def test_layers_parts_and_samples_out_of_sight(tmp_path, values):
     wide = np.arange(300.0, 1001.0, 10.0)
     more = radiance(wide)
     sky = near(read_panorama(write_fichet(tmp_path / "a.exr", stokes(more, wide))), more, wide)
-    assert "41 wavelengths, 380 to 780 nm" in sky.notes[0]
+    layout = find_spectra(header_of(tmp_path / "a.exr"), "a.exr")
+    assert layout.wavelengths == pytest.approx(np.arange(380.0, 781.0, 10.0))
     layered = {f"sky.{name}": plane for name, plane in stokes(values, NODES).items()}
     near(read_panorama(write_fichet(tmp_path / "b.exr", layered)), values)
     planes = {n: np.ascontiguousarray(p, np.float32) for n, p in stokes(values, NODES).items()}

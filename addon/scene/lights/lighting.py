@@ -19,7 +19,7 @@ from ...sky.light import SkyLight
 from ...sky.polynomial import HIGHEST_DEGREE, evaluate_polynomial, raised
 from ...spectra.working_spaces import XYZ_to_working
 from ...transfer.ground import GroundLight, ground_light, is_grey, split
-from ...transfer.matrices import Transfer
+from ...transfer.matrices import OWN, Transfer
 from ...transfer.prefilter import balanced_rgb, prefiltered
 from ..world import light_group, view_transform
 from . import dome_lamps, light_linking, sun_lamp
@@ -60,6 +60,8 @@ class Lights:
     def lines(self) -> list[str]:
         """What is put beside the sky, a sentence each."""
         lines = []
+        if self.transfer.basis == OWN:
+            lines.append("matrices from this sky's own spectrum")
         if self.sun is not None:
             lines.append(self.sun.line)
         if self.ground is None:
