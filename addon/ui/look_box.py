@@ -82,10 +82,10 @@ def light(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         _progress(row)
     elif follow.halt():
         row.label(text=translated(follow.halt()), icon="ERROR")
-        row.operator("skylight.update", text="Go On")
+        row.operator("skylight.update", text="", icon="PLAY")
     elif text := _old(context):
         row.label(text=translated(text), icon="ERROR")
-        row.operator("skylight.bake", text="Bake")
+        row.operator("skylight.bake", text="", icon="RENDER_STILL")
     else:
         state = sentences[0].partition(":")[0] if sentences else "no light yet"
         row.label(text=translated(_capital(state)), icon="LIGHT_SUN")
@@ -101,7 +101,7 @@ def _progress(row: bpy.types.UILayout) -> None:
     """A bar with a button that ends it."""
     current = follow.work()
     if current is None:
-        row.progress(factor=0.0, text="All light: waiting for you to pause")
+        row.progress(factor=0.0, text="Waiting for you to pause")
     else:
         left = f", {current.left:.0f} s left" if current.left >= 1.0 else ""
         done = current.progress.done

@@ -33,7 +33,8 @@ def _unsure(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     if change >= CLOSE and not panel_text.is_of_other_sky(context):
         row = layout.row()
         row.label(text=translated(f"ΔE {change:.1f} unsure: {name}"))
-        row.operator("skylight.browse_library").material = name
+        button = row.operator("skylight.browse_library", text="", icon="ASSET_MANAGER")
+        button.material = name
 
 
 def summary(context: bpy.types.Context) -> str:

@@ -12,8 +12,9 @@ FONT = 0
 """The interface's own, in `blf`."""
 
 _IDEOGRAPH = r"[\u3000-\u9fff\uff00-\uffef]"
-_WORD = re.compile(rf"[^ {_IDEOGRAPH[1:]}+ *|{_IDEOGRAPH}[、。，．）」』！？：；ー]* *")
-"""What stays on one line: a word, or a Japanese character with what may not begin a line."""
+_END = "[、。，．）」』！？：；ー]*"  # what may not begin a line
+_WORD = re.compile(rf"(?:RGB × RGB|[^ {_IDEOGRAPH[1:]}+){_END} *|{_IDEOGRAPH}{_END} *")
+"""What stays on one line: a word, or a Japanese character."""
 
 
 def width(text: str) -> float:

@@ -14,8 +14,6 @@ UNIT = 20
 """[pixels] of a button's height, and of an icon's place."""
 TABS, PANEL, BOX, SPACE = UNIT, 18, 5, 8
 """[pixels] of the tabs, and on either side of a panel's and a box's content; between items."""
-PAD, ICON_PAD = 30, 5
-"""[pixels] that Blender adds to a text's width, and for its icon, where items share a row."""
 LABEL, ICON, BUTTON, ARROW, DIGITS = 4, 26, 5, 20, 40
 """[pixels] that a text leaves free: of a label, beside an icon, of a button, of a menu's arrow, and
 of a number with its name."""
@@ -104,7 +102,7 @@ class Layout:
 
 
 def natural(item):
-    """How wide an item would be in a row, and whether it stays so."""
+    """How wide an item would be in a row, and whether it stays so: what has a text shares alike."""
     if isinstance(item, Layout):
         if item.kind == "row" and item.items:
             widths = [natural(each) for each in item.items]
@@ -115,13 +113,8 @@ def natural(item):
     kind, text, icon, *_ = item
     if kind == "picture":
         return icon, True
-    number = 3 * UNIT * (kind in ("float", "int"))
-    if not text and kind in ("label", "operator", "menu"):
-        return UNIT, True
-    if not text and not number:
-        text = "non-empty text"  # Blender's own
-    wanted = text_width.width(text) + PAD if text else UNIT
-    return wanted + ICON_PAD * bool(icon) + number, False
+    is_icon = not text and kind in ("label", "operator", "menu")
+    return (UNIT, True) if is_icon else (10 * UNIT, False)
 
 
 def cut(layout, width):

@@ -15,7 +15,11 @@ from spectral_skylight.addon.ui.catalogue import FOLDER, LANGUAGES, read
 ADDON = Path(__file__).resolve().parents[2] / "addon"
 
 OWN = (
-    *(path for path in sorted((ADDON / "ui").glob("*.py")) if path.stem != "catalogue"),
+    *(
+        path
+        for path in sorted((ADDON / "ui").glob("*.py"))
+        if path.stem not in ("catalogue", "manual", "text_width")
+    ),
     *(ADDON / name for name in ("choices.py", "grouping.py")),
 )
 """Files that hold little but what the interface shows."""
@@ -77,8 +81,9 @@ NOT_SHOWN = {
     *("Lamp 1", "Lamp 2", "Linear Rec.2020", "Linear Rec.709", "Sheen Weight", "Spectral Matrix"),
     *("Specular IOR Level", "Specular Tint", "Subsurface Weight"),
     *("Thin Film Thickness", "Transmission Weight", "Window"),
+    *("Many pictures", "Settings", "The fields of a file", "The library of reflectances"),
 }
-"""Names of Blender's and of our data."""
+"""Names of Blender's and of our data, and headings of the manual, which is in English."""
 
 LABELS = {"text", "name", "description", "placeholder", "message", "bl_label", "bl_description"}
 """Arguments and attributes that Blender itself looks up."""
