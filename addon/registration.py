@@ -22,6 +22,7 @@ from .ui import (
     drop,
     everything,
     explain,
+    false_colour,
     follow,
     help,
     imports,
@@ -70,6 +71,7 @@ MODULES = (
     split_view,
     panels,
     meter,
+    false_colour,
     library,
     swatch_grid,
     assign,
@@ -113,6 +115,7 @@ def register() -> None:
             module.attach()
             _undo.append(module.detach)
         _undo.append(preview_cache.clear)
+        _undo.append(false_colour.hide)
         command = bpy.utils.register_cli_command("skylight", _command)
         _undo.append(partial(bpy.utils.unregister_cli_command, command))
     except Exception:

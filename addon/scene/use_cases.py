@@ -15,12 +15,13 @@ from typing import Any
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import tags
 from ..choices import BAKED
 from ..errors import InputError
 from ..grouping import grouped
-from ..progress import Progress, aside, run, timed
+from ..progress import Progress, aside, mapped, run, timed
 from ..sky.light import SkyLight
 from ..transfer.assignment import Assignment
 from ..transfer.assignment_table import read_table, table_files
@@ -35,8 +36,8 @@ from .lights import lighting
 from .materials import base_color, eligibility, spectral_material
 from .materials.assigned import assigned, in_file
 from .materials.record import Result
-from .meter import light_meter, room
-from .meter.calibration import Told
+from .meter import calibration, light_meter, lit_scene, metered_picture, room, surface_light
+from .meter.calibration import Calibration, Told
 from .meter.light_meter import Measured
 from .meter.places import Places
 from .meter.room import Room
@@ -460,6 +461,37 @@ def surveying(
     """Measure a floor of the active scene, its daylight factor too; raises as `room.surveying`."""
     shining = yield from _shining(scene, settings)
     return (yield from room.surveying(scene.world, shining, places, told, threshold))
+
+
+def light_on_surfaces(
+    scene: bpy.types.Scene, settings: Settings
+) -> Generator[Progress, None, surface_light.Drawing]:
+    """Measure the light on all surfaces of the active scene, to draw it; nothing changes.
+
+    Raises InputError as `analyzed` and `calibration.find` do.
+    """
+    shining = yield from _shining(scene, settings)
+    assert scene.world is not None
+    known = calibration.find(scene.world, shining)
+    lit = yield from mapped(lit_scene.casting(shining), lambda p: Progress(0.5 * p.done, p.line))
+    found = yield from surface_light.measuring(lit, shining, known)
+    return surface_light.Drawing.of(found)
+
+
+def picture_of_light(
+    scene: bpy.types.Scene,
+    settings: Settings,
+    quantity: str,
+    camera: bpy.types.Object,
+    engine: str | None = None,
+    told: Told | None = None,
+) -> Generator[Progress, None, tuple[NDArray[np.float32], Calibration]]:
+    """Return an amount of light as a camera of the active scene sees it; nothing changes.
+
+    As `metered_picture.picturing` does, and raises InputError as that and `analyzed` do.
+    """
+    shining = yield from _shining(scene, settings)
+    return (yield from metered_picture.picturing(scene, shining, quantity, camera, engine, told))
 
 
 def remove(materials: Iterable[bpy.types.Material]) -> Outcome:

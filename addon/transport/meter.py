@@ -63,6 +63,11 @@ class Field:
             found.bands += self._direct(starts, across)
             yield found
 
+    def direct(self, places: NDArray, normals: NDArray) -> NDArray[np.float64]:
+        """Return irradiance / π (n, 16) that lamps send straight to faces at places (n, 3) of
+        normals (n, 3), in shadow or not."""
+        return self._direct(*self._starts(places, normals, slice(None)))
+
     def in_spots(self, places: NDArray, ways: NDArray) -> Iterator[Light]:
         """Yield the radiance of what is seen at places (n, 3) along ways (n, 3), within `SPOT`."""
         for _, found in self._gathered(places, ways, _cone(SPOT)):

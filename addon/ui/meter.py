@@ -13,7 +13,7 @@ import bpy
 
 from ..errors import InputError
 from ..progress import Progress, a_while
-from . import follow, last_guard, operator, panels, properties, under_way
+from . import false_colour, follow, last_guard, operator, panels, properties, under_way
 from .labels import told
 
 PLACES = (
@@ -137,6 +137,7 @@ class SKYLIGHT_PT_meter(panels.Child, bpy.types.Panel):
             column.label(text=line, translate=False)
         if scene.world is not None:
             layout.prop(scene.world.skylight, "level_lux")
+        false_colour.draw(layout)
 
 
 def _tick() -> float | None:

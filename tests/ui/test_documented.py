@@ -73,6 +73,8 @@ def test_whatever_changes_the_file_can_be_undone(addon):
         "help",
         "explain",
         "measure",
+        "false_color",
+        "hide_false_color",
         "stop_light",
         "stop_refining",
         "batch_write",

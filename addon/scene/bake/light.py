@@ -96,6 +96,10 @@ class SceneLight(Light):
         """As a `Light`'s."""
         return self.sources.matrix(self._known[name].reflectance)
 
+    def reflectance(self, name: str) -> NDArray[np.float64]:
+        """The reflectance (81,) of a material among those that `matter` was asked for."""
+        return self._known[name].reflectance
+
     @property
     def _transfer(self) -> Transfer:
         return self.sources.transfer

@@ -44,7 +44,8 @@ class LitScene:
 
         In units of the HDRI as the scene shows it, before any balancing.
         """
-        field = yield from self._lit(light)
+        # A meter stands where there is room: what is dark around it is a dark room.
+        field, _ = yield from self.solved(light, leaks=False)
         at = np.asarray(places, float) - self.origin
         each = BUDGET[not rays.fast()] / max(len(at), 1)
         count = int(2 ** np.clip(np.round(np.log2(each)), *np.log2(RAYS)))
@@ -63,17 +64,24 @@ class LitScene:
             np.concatenate([*told, np.empty(0)]),
         )
 
-    def _lit(self, light: SceneLight) -> Generator[Progress, None, Field]:
+    def solved(
+        self, light: SceneLight, leaks: bool = True
+    ) -> Generator[Progress, None, tuple[Field, NDArray[np.float32]]]:
+        """Return what meters read of a light that has gone round, and irradiance / π (r, 16) on the
+        patches' sides but for what lamps send straight, NaN within something solid.
+
+        Not ``leaks``: what is dark all around is a dark room.
+        """
         radiosity = self.radiosity
         radiosity.take(light.matter(self.materials))
         lamps = [lamp.seen_from(self.origin) for lamp in light.lamps]
         at = Progress(0.5, patches.BETWEEN)
         direct = yield from mapped(radiosity.lit_by(lamps), lambda _: at)
-        # A meter stands where there is room: what is dark around it is a dark room.
-        solve = partial(radiosity.solve, leaks=False)
+        solve = partial(radiosity.solve, leaks=leaks)
         table, tells, _ = yield from aside(at, solve, light.sky, direct)
         channels = light.channels.astype(np.float32)
-        return Field(radiosity.space, table, tells, channels, lamps)
+        around = np.where(tells[radiosity.row][:, None] > 0.0, radiosity.E - direct, np.nan)
+        return Field(radiosity.space, table, tells, channels, lamps), around
 
 
 def _spectra(light: SceneLight, found) -> NDArray[np.float64]:
