@@ -34,6 +34,7 @@ COMMANDS = (
     "evaluate",
     "chart",
     "apply",
+    "animate",
     "explain",
     "measure",
     "glazing",

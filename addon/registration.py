@@ -12,6 +12,7 @@ from typing import Any
 import bpy
 
 from .ui import (
+    animate,
     apply,
     assets,
     assign,
@@ -56,6 +57,7 @@ MODULES = (
     place,
     load_sky,
     open_example,
+    animate,
     make_sky,
     refine_sky,
     choose_reflectance,

@@ -43,6 +43,11 @@ OWN_WORLD = "spectral_skylight_own"
 WORLD_BEFORE = "spectral_skylight_before_world"
 """… and the user's World that it stands in for, if there was one."""
 
+DAY = "spectral_skylight_day"
+"""On a World whose sky moves: through what, as JSON …"""
+SUN_ELEVATION = "spectral_skylight_sun_elevation"
+"""… and where the sun stands [degrees], keyframed: all else follows that by drivers."""
+
 # On images
 SKY = "spectral_skylight_sky"
 """On an image that holds a sky as it was read: its file, and what was done to it."""

@@ -11,6 +11,7 @@ import bpy
 from ...node_groups import tree as groups
 from .. import tags
 from .bake import scene_bake
+from .day import day_world
 from .lights import lighting
 from .materials import spectral_material
 from .world import hdri, own_worlds
@@ -47,6 +48,7 @@ def clear() -> list[str]:
         for tag in OF_WORLDS if world.is_editable else ():
             world.pop(tag, None)
         if tags.OWN_WORLD in world:
+            day_world.stop(world)
             hdri.undevelop(world)
     _remove_groups()
     if back := own_worlds.give_back():

@@ -32,6 +32,8 @@ from . import plan as planning
 from .bake import scene_bake, session
 from .bake.light import SceneLight, shining_of
 from .blend_data import kept, working_space
+from .day import animate as animation
+from .day import day_world
 from .lights import lighting
 from .materials import base_color, eligibility, spectral_material
 from .materials.assigned import assigned, in_file
@@ -145,6 +147,28 @@ def showing_sky(
     return replace(found, skipped=skipped, lines=lines)
 
 
+def animate(
+    scene: bpy.types.Scene, day: animation.Day, settings: Settings
+) -> Generator[Progress, None, Outcome]:
+    """Let a scene's sky and its spectral materials move through a day, yielding how far it is.
+
+    As `simulate_sky` does for one moment. Raises InputError as `Day.course` and `plan.make` do; the
+    scene is untouched then.
+    """
+    settings = replace(settings, camera=None, white=None, sun_elevation=None)
+    settings.transfer()
+    ours, skipped = editable(in_scene(scene))
+    found = yield from _animated(scene, day, given_before(ours), settings)
+    return replace(found, skipped=skipped)
+
+
+def _animated(
+    scene: bpy.types.Scene, day: animation.Day, given: Assignments, settings: Settings
+) -> Generator[Progress, None, Outcome]:
+    plan, lines = yield from animation.animating(scene, day, given, settings)
+    return Outcome(plan.light, [one.result for one in plan.materials], lines=lines)
+
+
 def develop(scene: bpy.types.Scene, settings: Settings) -> bpy.types.World:
     """Return a scene's World, as `developing` does."""
     return run(developing(scene, settings))
@@ -185,8 +209,15 @@ def making_spectral(
     scene: bpy.types.Scene, given: Assignments, settings: Settings, relight: bool = True
 ) -> Generator[Progress, None, Outcome]:
     """Do as `make_spectral` does, yielding after each material; what is baked is lit anew, but
-    where that is not wanted, for `all_light` follows."""
+    where that is not wanted, for `all_light` follows.
+
+    Under a sky that moves, all materials under it move with it, as `animate` has it.
+    """
     planning.check(given)  # before the World is touched
+    if (day := animation.day_of(scene.world)) is not None:
+        ours, _ = editable(in_scene(scene))
+        return (yield from _animated(scene, day, {**given_before(ours), **given}, settings))
+    day_world.stop_unused()
     world = yield from developing(scene, settings)
     plan = yield from planning.making(world, given, settings)
     results = yield from write(plan)

@@ -3,7 +3,8 @@
 import bpy
 
 STEPS = (
-    ("open_example", "load_sky", "use_world", "make_sky", "make_spectral", "update", "remove_all"),
+    ("open_example", "load_sky", "use_world", "make_sky", "animate"),
+    ("make_spectral", "update", "remove_all"),
     ("refine_sky", "stop_refining"),
     ("choose_reflectance", "apply", "apply_selected", "apply_all", "estimate"),
     ("remove", "remove_selected"),

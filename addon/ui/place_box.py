@@ -14,6 +14,7 @@ def draw(
     layout: bpy.types.UILayout, context: bpy.types.Context, image: bpy.types.Image | None
 ) -> None:
     """Two closed panels, where the image of the sky was simulated; a bar while it is refined."""
+    from ..scene.day import day_world
     from ..scene.world import simulated_sky
 
     made = None if image is None else simulated_sky.made_of(image)
@@ -24,6 +25,8 @@ def draw(
     elif line := refine_sky.line():
         panel_text.paragraph(layout, context, line, "ERROR")
     if made is None:
+        if day_world.is_day(context.scene.world):
+            _animate(layout)
         return
     header, body = layout.panel("skylight_place", default_closed=True)
     header.label(text="Date and Place")
@@ -35,10 +38,17 @@ def draw(
         part = row.row(align=True)
         part.operator_context = "INVOKE_DEFAULT"
         part.operator("skylight.refine_sky", text="Refine")
+        _animate(body)
     header, body = layout.panel("skylight_sun_paths", default_closed=True)
     header.label(text="Sun Paths")
     if body is not None:
         _sun_paths(body, context)
+
+
+def _animate(layout: bpy.types.UILayout) -> None:
+    row = layout.row()
+    row.operator_context = "INVOKE_DEFAULT"  # from when to when is asked for
+    row.operator("skylight.animate")
 
 
 def _sun_paths(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

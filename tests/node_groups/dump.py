@@ -19,6 +19,7 @@ import bpy
 
 from spectral_skylight.node_groups import (
     baked_light,
+    day_sky,
     glazing,
     gloss,
     light_probe,
@@ -48,6 +49,7 @@ def every_tree() -> Iterator[bpy.types.NodeTree]:
     bpy.ops.wm.read_homefile(use_empty=True)
     for module in (
         baked_light,
+        day_sky,
         glazing,
         light_probe,
         sky_bake,

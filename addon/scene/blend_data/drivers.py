@@ -23,7 +23,7 @@ def take(material: bpy.types.Material, old: Socket, new: Socket) -> None:
     new.default_value = old.default_value
     path, own = (socket.path_from_id("default_value") for socket in (old, new))
     driven = {d.array_index: d for d in _drivers(tree) if d.data_path == path}
-    moving = {curve.array_index for curve in _curves(tree) if curve.data_path == path}
+    moving = {curve.array_index for curve in curves(tree) if curve.data_path == path}
     for axis in sorted(moving | driven.keys()):
         if axis in driven:
             tree.animation_data.drivers.from_existing(src_driver=driven[axis]).data_path = own
@@ -37,16 +37,16 @@ def moves(socket: Socket) -> bool:
     """Whether an input's value is keyframed or driven."""
     tree = socket.id_data
     path = socket.path_from_id("default_value")
-    return any(curve.data_path == path for curve in (*_drivers(tree), *_curves(tree)))
+    return any(curve.data_path == path for curve in (*_drivers(tree), *curves(tree)))
 
 
 def _drivers(tree: bpy.types.NodeTree) -> list[bpy.types.FCurve]:
     return list(tree.animation_data.drivers) if tree.animation_data else []
 
 
-def _curves(tree: bpy.types.NodeTree) -> Iterator[bpy.types.FCurve]:
-    """The keyframed values of a tree, on its own action or in NLA strips."""
-    data = tree.animation_data
+def curves(owner: bpy.types.ID) -> Iterator[bpy.types.FCurve]:
+    """The keyframed values of a data-block, on its own action or in NLA strips."""
+    data = owner.animation_data
     if data is None:
         return
     strips = (strip for track in data.nla_tracks for strip in track.strips)

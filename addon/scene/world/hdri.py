@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from mathutils import Euler
 
-from ....node_groups import spectral_matrix
+from ....node_groups import day_sky, spectral_matrix
 from ....node_groups import tree as groups
 from ...errors import InputError
 from ...progress import Progress, run
@@ -73,6 +73,10 @@ def sky_of(world: bpy.types.World | None) -> WorldSky:
     texture = _feeds(background.inputs["Color"])
     if texture is not None and groups.kind_of(texture) == spectral_matrix.KIND:
         texture = _feeds(texture.inputs["Color"])
+    if texture is not None and groups.kind_of(texture) == day_sky.KIND:
+        mapping, _ = _mapping(texture)
+        found = replace(found, mapping=None if mapping is None else mapping.name)
+        return replace(found, why="its sky moves through the day")
     if texture is None or texture.type != "TEX_ENVIRONMENT":
         return replace(found, why=f"its Background is fed by {_called(texture)}")
     mapping, why = _mapping(texture)

@@ -1,0 +1,220 @@
+"""Letting a scene's sky, and all that it lights, move through a day or a year."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import bpy
+import numpy as np
+
+from ... import tags
+from ...choices import OPEN
+from ...errors import InputError, parameter
+from ...progress import Progress, mapped
+from ...sky.sun_course import Course, through_day, through_year
+from .. import plan as planning
+from ..lights import lighting
+from ..plan import Assignments, Plan
+from ..world import hdri, light_group, own_worlds, sky_image
+from ..world.settings import Settings, store
+from ..world.simulated_sky import SkyPlace
+from ..write import write
+from . import day_world, values
+from .moments import LEAST, KeySkies, Moment, find
+
+if TYPE_CHECKING:
+    from ...sky.simulation import SimulatedSky
+
+HEIGHT = 256
+"""[pixels] of the skies that light is planned by; what is seen is drawn from the simulation."""
+
+YEAR = "year"
+
+MOST_FRAMES = 100_000
+
+
+@dataclass(frozen=True)
+class Day:
+    """What a sky is to move through: the place's date from a time to another, in so many frames.
+
+    ``until``: `YEAR` moves through the days of the date's year, each at ``first``.
+    """
+
+    place: SkyPlace
+    first: str = "06:00"
+    until: str = "20:00"
+    frames: int = 240
+
+    def course(self) -> Course:
+        """Return the sun's way; raises InputError as `sun_course` does, and for too few frames."""
+        if not 2 <= self.frames <= MOST_FRAMES:
+            cure = f"give 2 to {MOST_FRAMES}"
+            raise InputError(parameter("frames"), f"{self.frames} frame(s)", cure)
+        place = self.place
+        if place.weather != "clear":
+            cure = "choose a clear sky, or a simulated sky for each hour in a study"
+            raise InputError(parameter("weather"), "only clear skies move through a day", cure)
+        where = place.latitude, place.longitude, place.timezone
+        if self.until == YEAR:
+            year = place.date[:4]
+            return through_year(int(year) if year.isdigit() else 0, self.first, *where)
+        return through_day(place.date, self.first, self.until, *where)
+
+    def plain(self) -> dict[str, Any]:
+        """Return it as plain data that JSON holds."""
+        return asdict(self)
+
+    @classmethod
+    def from_plain(cls, found: dict[str, Any]) -> Day:
+        """Read what `plain` returned; raises TypeError for anything else."""
+        return cls(**{**found, "place": SkyPlace(**found["place"])})
+
+
+def day_of(world: bpy.types.World | None) -> Day | None:
+    """Return what a World moves through, None where its sky stands still."""
+    found = day_world.kept_of(world).get("day")
+    try:
+        return Day.from_plain(found) if isinstance(found, dict) else None
+    except TypeError:
+        return None  # overwritten by hand, or by a newer version
+
+
+def animating(
+    scene: bpy.types.Scene, day: Day, given: Assignments, settings: Settings
+) -> Generator[Progress, None, tuple[Plan, list[str]]]:
+    """Let a scene's sky move through a day, with materials under it; return the plan of its highest
+    sun, and lines to read.
+
+    Everything is computed before anything changes. Raises InputError as `Day.course` and
+    `plan.make` do; the scene is untouched then.
+    """
+    course = day.course()
+    lines = []
+    if settings.shadows != OPEN:
+        settings = replace(settings, occlusion=OPEN)
+        lines.append("animated under the open sky: a bake holds the light of one moment")
+    low, high = course.range
+    low = min(low, 90.0 - LEAST)
+    high = max(high, low + LEAST)
+    before = scene.world
+    if before is not None:
+        kept, before.use_fake_user = before.use_fake_user, True
+    world = _new_world(scene, settings)
+    done = False
+    try:
+        steps = find(low, high, lambda e: _moment(scene, world, day.place, e, given, settings))
+        found = yield from mapped(steps, lambda step: step)
+        yield Progress(0.9, "keyframes")
+        _write(scene, world, found)
+        frames = np.array([scene.frame_start, scene.frame_start + day.frames - 1])
+        span = _own_range(scene, before)
+        day_world.install(world, course, found, frames, day.place.north)
+        line = _line(course, found, day)
+        day_world.keep(world, day=day.plain(), range=span, line=line, keys=len(found.keys))
+        scene.frame_end = int(frames[1])
+        if (record := light_group.record_of(world)) is not None:
+            light_group.keep_record(world, replace(record, image=hdri.sky_of(world).name))
+        scene.frame_set(scene.frame_current)
+        done = True
+    finally:
+        world.use_fake_user = False
+        if not done:
+            scene.world = before
+        if before is not None:
+            before.use_fake_user = kept
+        own_worlds.remove_unused()
+    return max(found.keys, key=lambda k: k.elevation).plan, [line, *lines]
+
+
+def _own_range(scene: bpy.types.Scene, before: bpy.types.World | None) -> list[int]:
+    """The frames that a scene had before it was animated."""
+    own = day_world.kept_of(before).get("range")
+    return own if isinstance(own, list) else [scene.frame_start, scene.frame_end]
+
+
+def _line(course: Course, found: KeySkies, day: Day) -> str:
+    count = len(found.keys)
+    return (
+        f"animated {course.line} in {day.frames} frames: {count} key skies, "
+        f"at most {max(found.error, found.sky_error):.2f} ΔE between"
+    )
+
+
+def _new_world(scene: bpy.types.Scene, settings: Settings) -> bpy.types.World:
+    """A World of ours for a day, which lights nothing yet."""
+    before = scene.world
+    empty = bpy.data.images.new("Day", 4, 2, float_buffer=True)
+    try:
+        world = hdri.show(scene, empty)
+        store(world, settings)
+        world[tags.SUN_ELEVATION] = 0.0
+        world.use_fake_user = True
+        return world
+    finally:
+        scene.world = before
+
+
+def over(place: SkyPlace, elevation: float) -> SimulatedSky:
+    """Simulate the clear sky of a place for an elevation [degrees]; raises as `simulate`."""
+    from ...sky.atmosphere import Atmosphere
+    from ...sky.simulation import simulate
+
+    return simulate(elevation, Atmosphere(haze=place.haze, ozone=place.ozone, ground=place.ground))
+
+
+def _moment(
+    scene: bpy.types.Scene,
+    world: bpy.types.World,
+    place: SkyPlace,
+    elevation: float,
+    given: Assignments,
+    settings: Settings,
+) -> Moment:
+    """Simulate a sky, and plan what materials show under it, in a frame with the sun over +x."""
+    from ...sky.clear_sky import SCALE, header_of, picture
+    from ...spectra.sensitivities import observer
+
+    sky, view = over(place, elevation), (90.0, elevation > 0.0)
+    rgb = picture(sky, HEIGHT, *view, observer() * SCALE)
+    name = f"Sky of {place.date}"
+    image = sky_image.simulated(name, rgb, header_of(sky, *view), {}, elevation)
+    texture = world.node_tree.nodes[hdri.sky_of(world).texture]
+    old, texture.image = texture.image, image
+    if old is not None and old.users == 0:
+        bpy.data.images.remove(old)
+    before, scene.world = scene.world, world
+    try:
+        return Moment.of(elevation, sky, planning.make(world, given, settings))
+    finally:
+        scene.world = before
+
+
+def _write(scene: bpy.types.Scene, world: bpy.types.World, found: KeySkies) -> None:
+    """Write each key sky's light in turn, and let all that differed follow.
+
+    Downwards, for what a light that is missing would make of materials stays as it was last; then
+    again the one with most lights, which the shader is left to hold.
+    """
+    scene.world = world
+
+    def parts(key: Moment) -> tuple[bool, bool, float]:
+        features = key.plan.lights.features
+        return features.probe, features.ground, key.elevation
+
+    gathered: dict[float, dict[values.Place, float]] = {}
+    for key in [*reversed(found.keys), max(found.keys, key=parts)]:
+        for _ in write(key.plan):
+            pass
+        given = [m.material for m in key.plan.materials] + list(key.plan.panes)
+        gathered[key.elevation] = values.gather(world, lighting.scenes_of(world), given)
+    sunny = [k for k, key in enumerate(found.keys) if key.plan.lights.sun is not None] or [0]
+    nearest = [min(sunny, key=lambda one: abs(one - k)) for k in range(len(found.keys))]
+    values.drive_all(
+        world,
+        [key.elevation for key in found.keys],
+        [key.level for key in found.keys],
+        np.array([found.keys[k].even for k in nearest]),
+        [gathered[key.elevation] for key in found.keys],
+    )
