@@ -87,7 +87,9 @@ def _of_light(scene: Any, options: argparse.Namespace) -> None:
     unit = quantity(options.quantity).unit if known.absolute else "relative"
     scale = false_colour.scale_of(amounts)
     if options.range is not None:
-        scale = false_colour.Scale(*options.range, logarithmic=_wide(*options.range))
+        low, high = options.range
+        wide = low > 0.0 and high > false_colour.WIDE * low
+        scale = false_colour.Scale(low, high, wide)
     label = QUANTITIES[options.quantity].label
     exr = Path(options.out).resolve()
     write_exr(exr, {"Y": amounts}, {"quantity": options.quantity, "unit": unit})
@@ -95,12 +97,6 @@ def _of_light(scene: Any, options: argparse.Namespace) -> None:
     print(known.line, file=sys.stderr)
     for path in (exr, exr.with_suffix(".png")):
         print(path)
-
-
-def _wide(low: float, high: float) -> bool:
-    from ..pictures.false_colour import WIDE
-
-    return low > 0.0 and high > WIDE * low
 
 
 def _two(text: str) -> tuple[float, float]:

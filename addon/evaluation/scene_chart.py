@@ -85,7 +85,10 @@ def points(rows: Iterable[Mapping[str, str]]) -> list[Point]:
         numbers = {name: float(text) for name, text in row.items() if _is_number(text)}
         found.append(
             Point(
-                *(row[name] for name in ("scene", "way", "family", "label")),
+                row["scene"],
+                row["way"],
+                row["family"],
+                row["label"],
                 {what: t for what in TIMES if (t := numbers.get(f"{what}processor")) is not None},
                 numbers["seconds"],
                 numbers["setup_processor"],

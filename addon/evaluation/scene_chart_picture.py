@@ -86,8 +86,8 @@ def _panel(axis: Any, some: Sequence[Point], what: str, labels: bool) -> None:
         colour = _COLOURS.get(family, _OTHER)
         for way in dict.fromkeys(point.way.split(",")[0] for point in series):
             line = [p for p in series if p.way.split(",")[0] == way and p.label[:1].isdigit()]
-            x, y = [p.times[what] for p in line], [p.errors["mean"] for p in line]
-            axis.plot(x, y, color=colour, linewidth=0.9, alpha=0.7, zorder=2)
+            times, errors = [p.times[what] for p in line], [p.errors["mean"] for p in line]
+            axis.plot(times, errors, color=colour, linewidth=0.9, alpha=0.7, zorder=2)
         for point in series:
             x, mean, p95 = point.times[what], point.errors["mean"], point.errors["p95"]
             axis.plot(x, mean, "o", color=colour, markersize=5.5, zorder=3)
