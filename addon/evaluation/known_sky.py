@@ -30,7 +30,7 @@ def evaluate_sky(
     """
     known = light.spectrum
     if known is None:
-        cure = "give one from sky --out, a spectral .exr or an .hsr"
+        cure = "give one that the command sky writes, a spectral .exr or an .hsr"
         raise InputError(light.name, "holds no spectra of its light", cure)
     elevation = light.sun_elevation()
     told = ("colour",) if elevation is None else ("colour", "elevation")

@@ -159,7 +159,7 @@ def report_scenes(out: Path, rows: Sequence[Mapping[str, str]]) -> list[Path]:
 
     some = points(rows)
     if not some:
-        raise InputError(out / "scenes.csv", "has no point", "measure one first, without --draw")
+        raise InputError(out / "scenes.csv", "has no point", "measure one first")
     made = caption(rows)
     text = [f"# Whole pictures\n\n{made}\n"]
     for scene in dict.fromkeys(point.scene for point in some):

@@ -103,9 +103,9 @@ def _panel(axis: Any, some: Sequence[Point], what: str, labels: bool) -> None:
                 )
     best = front(some, what)
     edge = max(point.times[what] for point in some) * 1.6
-    x = [*(point.times[what] for point in best), edge]
-    y = [*(point.errors["mean"] for point in best), best[-1].errors["mean"]]
-    axis.step(x, y, where="post", color="#999999", linewidth=1.3, zorder=1)
+    times = [*(point.times[what] for point in best), edge]
+    errors = [*(point.errors["mean"] for point in best), best[-1].errors["mean"]]
+    axis.step(times, errors, where="post", color="#999999", linewidth=1.3, zorder=1)
     noise = some[0].noise[0]
     low = 0.7 * min(noise, min(point.errors["mean"] for point in some))
     axis.axhspan(low, noise, color="#999999", alpha=0.18, linewidth=0)

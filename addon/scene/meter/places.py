@@ -135,7 +135,7 @@ def over(
     for way in np.stack([np.cos(around), np.sin(around)], axis=1):
         kept &= np.isfinite(_heights(triangles, grid.points[:, :2] + way * border * meter))
     if not kept.any():
-        cure = "give a smaller --border or --spacing"
+        cure = "give a smaller border or spacing"
         raise InputError(f'object "{floor.name}"', "is smaller than its border", cure)
     points = grid.points[kept]
     points[:, 2] = z[kept] + height * meter

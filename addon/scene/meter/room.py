@@ -114,7 +114,7 @@ def surveying(
     work = light_meter.measuring(world, light, places, told)
     measured = yield from mapped(work, lambda step: Progress(0.6 * step.done, step.line))
     if threshold is not None and not measured.calibration.absolute:
-        cure = "tell --lux on the level, or the luminance of a --spot"
+        cure = "tell the lux on the level, or the luminance of a spot"
         raise InputError(parameter("threshold"), "the sky's light is only relative", cure)
     if measured.inside.all():
         raise InputError(parameter("grid"), "all of it lies inside something solid", "raise it")
