@@ -150,7 +150,7 @@ def measured(name: str, way: str, references: Path) -> list[dict]:
     scene = ready(name, examples[name], references, SIZE)
     points = []
     with silenced(scene.folder / "blender.log"):
-        for shot in WAYS[way].shots(scene):
+        for shot in WAYS[way].shots(scene, True):
             point: dict = {
                 "family": WAYS[way].family,
                 "label": WAYS[way].label,

@@ -66,11 +66,14 @@ class Shot:
 
 @dataclass(frozen=True)
 class Way:
-    """A way to the picture: ``family``, its series in the chart; ``label``, which of it this is."""
+    """A way to the picture: ``family``, its series in the chart; ``label``, which of it this is.
+
+    ``shots`` yields the pictures of a scene, and with True also measures what comes ``again``.
+    """
 
     family: str
     label: str
-    shots: Callable[[Ready], Iterator[Shot]]
+    shots: Callable[[Ready, bool], Iterator[Shot]]
 
 
 def _opened(blend: Path) -> bpy.types.Scene:
@@ -86,13 +89,11 @@ def cycles(ready: Ready, samples: int, denoise: bool, seed: int = 7) -> dict[str
     scene, layer = bpy.context.scene, bpy.context.view_layer
     scene.render.engine = "CYCLES"
     settings = scene.cycles
-    settings.device, settings.samples, settings.seed = "CPU", samples, seed
-    settings.use_adaptive_sampling, settings.use_denoising = False, denoise
+    _sample(scene, ready, samples)
+    settings.seed, settings.use_denoising = seed, denoise
     settings.light_sampling_threshold = settings.sample_clamp_indirect = settings.blur_glossy = 0.0
     for kind in ("max", "diffuse", "glossy", "transmission", "transparent_max"):
         setattr(settings, f"{kind}_bounces", referee.BOUNCES)
-    scene.world.cycles.sampling_method = "MANUAL"  # as the referee's: else it takes seconds
-    scene.world.cycles.sample_map_resolution = ready.stage.sky.shape[1]
     settings.pixel_filter_type, settings.filter_width = "BLACKMAN_HARRIS", 1.0
     form = scene.render.image_settings
     if hasattr(form, "media_type"):  # Blender 5
@@ -109,6 +110,15 @@ def cycles(ready: Ready, samples: int, denoise: bool, seed: int = 7) -> dict[str
         name: np.stack([channels[f"{layer.name}.{name}.{c}"] for c in "RGB"], -1).astype(float)
         for name in names
     }
+
+
+def _sample(scene: bpy.types.Scene, ready: Ready, samples: int) -> None:
+    """Let Cycles take so many samples of each pixel, and look at the sky as the referee does."""
+    settings = scene.cycles
+    settings.device, settings.samples = "CPU", samples
+    settings.use_adaptive_sampling = settings.use_denoising = False
+    scene.world.cycles.sampling_method = "MANUAL"  # left to itself it takes seconds
+    scene.world.cycles.sample_map_resolution = ready.stage.sky.shape[1]
 
 
 class Wide(referee.Today):
@@ -129,7 +139,7 @@ class Wide(referee.Today):
 def rgb(samples: int, denoise: bool = False, wide: bool = False) -> Way:
     """RGB × RGB with every bounce, in Rec.709 or ``wide`` in Rec.2020."""
 
-    def shots(ready: Ready) -> Iterator[Shot]:
+    def shots(ready: Ready, more: bool) -> Iterator[Shot]:
         stages.build(ready.stage, Wide() if wide else referee.Today())
         groups = bpy.context.view_layer.lightgroups
         while len(groups):  # which cost nobody time who needs none
@@ -150,7 +160,7 @@ def rgb(samples: int, denoise: bool = False, wide: bool = False) -> Way:
 def wavelengths(samples: int) -> Way:
     """Cycles at fifteen wavelengths, three at a time, each light by its own spectrum."""
 
-    def shots(ready: Ready) -> Iterator[Shot]:
+    def shots(ready: Ready, more: bool) -> Iterator[Shot]:
         lights, clock = ready.stage.lights(), Clock()
         shape = ready.stage.camera.height, ready.stage.camera.width, bands.KNOTS.size
         quotients = {name: np.empty(shape) for name in lights}
@@ -174,14 +184,14 @@ def wavelengths(samples: int) -> Way:
 def eevee(by_hand: bool = False) -> Way:
     """Eevee without the add-on; ``by_hand``: ray tracing, and a baked light-probe volume."""
 
-    def shots(ready: Ready) -> Iterator[Shot]:
+    def shots(ready: Ready, more: bool) -> Iterator[Shot]:
         scene, setup = _opened(ready.blend), Clock()
         if by_hand:
             _trace_rays(scene)
             with setup:
                 _bake_probes(scene)
         picture, seconds = _rendered(scene, ready, "eevee")
-        frame = _rendered(scene, ready, "eevee")[1]
+        frame = _rendered(scene, ready, "eevee")[1] if more else seconds
         # Values alone change; probes are baked anew, which takes as long as at first.
         again = {"frame": frame, "hour": setup.seconds + frame, "paint": setup.seconds + frame}
         yield Shot(picture, setup.seconds + seconds, setup.seconds, again, _saved(ready))
@@ -233,7 +243,7 @@ def _bake_probes(scene: bpy.types.Scene) -> None:
 def ours(occlusion: str, engine: str, rays: int | None = None) -> Way:
     """The add-on under the open sky, live, or with all light by so many rays (None: its own)."""
 
-    def shots(ready: Ready) -> Iterator[Shot]:
+    def shots(ready: Ready, more: bool) -> Iterator[Shot]:
         scene, settings = _opened(ready.blend), _settings(ready, occlusion)
         setup = Clock()
         with setup:
@@ -241,20 +251,19 @@ def ours(occlusion: str, engine: str, rays: int | None = None) -> Way:
             if occlusion == AUTO:
                 run(use_cases.bake(scene, settings, rays=rays))
         picture, seconds = _rendered(scene, ready, engine)
-        again = {"frame": _rendered(scene, ready, engine)[1]}
-        size = _saved(ready)
-        with Clock() as clock:
+        shot = Shot(picture, setup.seconds + seconds, setup.seconds, {}, _saved(ready))
+        if more:
+            shot.again["frame"] = _rendered(scene, ready, engine)[1]
             path, elevation = ready.hour
             later = _settings(ready, occlusion, elevation)
-            use_cases.load_sky(scene, path, later)
-        again["hour"] = clock.seconds + _rendered(scene, ready, engine)[1]
-        with Clock() as clock:
-            given = {
-                bpy.data.materials[_first_paint(ready)]: _reflectance(ready, _paints(ready)[-1])
-            }
-            use_cases.make_spectral(scene, given, later)
-        again["paint"] = clock.seconds + _rendered(scene, ready, engine)[1]
-        yield Shot(picture, setup.seconds + seconds, setup.seconds, again, size)
+            with Clock() as clock:
+                use_cases.load_sky(scene, path, later)
+            shot.again["hour"] = clock.seconds + _rendered(scene, ready, engine)[1]
+            with Clock() as clock:
+                other = _reflectance(ready, _paints(ready)[-1])
+                use_cases.make_spectral(scene, {_first_paint(ready): other}, later)
+            shot.again["paint"] = clock.seconds + _rendered(scene, ready, engine)[1]
+        yield shot
 
     label = {OPEN: "open sky", DOME: "live"}.get(occlusion, f"{rays} rays" if rays else "all light")
     return Way(f"Ours in {engine.capitalize()}", label, shots)
@@ -263,7 +272,7 @@ def ours(occlusion: str, engine: str, rays: int | None = None) -> Way:
 def progressive(engine: str = "cycles") -> Way:
     """Ours after each whole light of one bake: what is seen while it goes on."""
 
-    def shots(ready: Ready) -> Iterator[Shot]:
+    def shots(ready: Ready, more: bool) -> Iterator[Shot]:
         scene, settings = _opened(ready.blend), _settings(ready, AUTO)
         clock = Clock()
         with clock:
@@ -297,8 +306,8 @@ def _paints(ready: Ready) -> list[str]:
     return [name for name, matter in ready.stage.matter.items() if matter.measured is not None]
 
 
-def _first_paint(ready: Ready) -> str:
-    return _paints(ready)[0]
+def _first_paint(ready: Ready) -> bpy.types.Material:
+    return bpy.data.materials[_paints(ready)[0]]
 
 
 def _reflectance(ready: Ready, name: str) -> assignment.Assignment:
@@ -322,8 +331,7 @@ def _rendered(scene: bpy.types.Scene, ready: Ready, engine: str) -> tuple[np.nda
     """Render a picture; return it and how long that took (2,)."""
     path = ready.folder / "way.exr"
     if engine == "cycles":
-        scene.cycles.samples, scene.cycles.use_denoising = SAMPLES, False
-        scene.cycles.use_adaptive_sampling = False
+        _sample(scene, ready, SAMPLES)
     with Clock() as clock:
         render.render(scene, path, engine=engine)
     return pictures.read(path), clock.seconds
