@@ -64,7 +64,7 @@ def save_comparison(
         rows,
         len(images),
         squeeze=False,
-        figsize=(4.2 * len(images), rows * inches + 0.9),
+        figsize=(4.2 * len(images), rows * inches + (0.9 if captions else 0.0)),
         dpi=110,
         layout="constrained",
     )

@@ -7,10 +7,14 @@ import json
 import subprocess
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..errors import InputError
 from .arguments import Commands, add_unit, chosen_reflectances, folder
 from .outputs import output_folder
+
+if TYPE_CHECKING:
+    from ..evaluation.methods import Sky
 
 
 def add(commands: Commands) -> None:
@@ -29,6 +33,19 @@ def add(commands: Commands) -> None:
         type=float,
         metavar="DEG",
         help="sun elevations in degrees; default: -4 0 5 15 30 60",
+    )
+    parser.add_argument(
+        "--daylight",
+        nargs="+",
+        default=[],
+        metavar="FILE.csv",
+        help="compare materials in the light of these measured spectra, not in that of the skies",
+    )
+    parser.add_argument(
+        "--sun-elevation",
+        type=float,
+        metavar="DEG",
+        help="with --daylight: the sun's elevation; without, methods that need it are left out",
     )
     parser.add_argument(
         "--reflectances",
@@ -90,13 +107,22 @@ def run(options: argparse.Namespace) -> None:
     new_figure(1.0, 1.0)  # rather now than after minutes
     out = folder(options.out)
     _, rho = chosen_reflectances(options)
+    measured = _measured(options)
     further = (with_basis(name) for name in options.basis)
     methods = {**METHODS, **{method.name: method for method in further}}
     watched = sys.stderr.isatty()
     skies = full_skies(options.skies or ELEVATIONS, watched)
-    found = rows(skies, rho, rounds=options.rounds, methods=methods, progress=watched)
+    found = rows(
+        skies,
+        rho,
+        rounds=options.rounds,
+        methods=methods,
+        measured=measured,
+        progress=watched,
+    )
     costs, blender = _eevee(options.eevee) if options.eevee else ({}, None)
-    result = report_chart(out, found, skies, rho, costs, blender)
+    told = {} if measured is None else {"measured": f"{len(measured)} measured spectra"}
+    result = report_chart(out, found, skies, rho, costs, blender, **told)
     if options.json:
         print(json.dumps(result, indent=1, allow_nan=False))
         return
@@ -110,6 +136,19 @@ def run(options: argparse.Namespace) -> None:
         print(f"Eevee    {record['material']:34}{record['ratio']:7.3f} of Diffuse")
     for path in result["files"]:
         print(path)
+
+
+def _measured(options: argparse.Namespace) -> list[Sky] | None:
+    """Read the light that materials are compared in; None for the skies' own."""
+    from ..evaluation.chart import measured_skies
+    from ..spectra.light import read_light
+
+    if options.daylight:
+        spectra = [spectrum for file in options.daylight for spectrum in read_light(file).values]
+        return measured_skies(spectra, options.sun_elevation)
+    if options.sun_elevation is not None:
+        raise InputError("--sun-elevation", "is of measured light", "add --daylight FILE.csv")
+    return None
 
 
 def _scenes(options: argparse.Namespace) -> None:

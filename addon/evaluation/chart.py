@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
 from ..sky.atmosphere import Atmosphere
@@ -22,7 +22,7 @@ from ..spectra.sensitivities import observer
 from ..spectra.working_spaces import LUMINANCE
 from ..transfer.measures import delta_E, relative_error
 from .day import ROWS, face_weights
-from .evaluation import Errors, errors_of
+from .evaluation import Errors, errors_of, of_one_luminance
 from .light_methods import LIGHT_METHODS, LightMethod
 from .light_places import PLACES, SkyPicture
 from .methods import METHODS, Method, Sky, true_colours, with_basis
@@ -119,6 +119,14 @@ def full_skies(elevations: Iterable[float], progress: bool = False) -> list[Full
     return result
 
 
+def measured_skies(spectra: ArrayLike, sun_elevation: float | None = None) -> list[Sky]:
+    """Return measured light (k, 81) as skies of one spectrum each, of one luminance.
+
+    Raises `InputError` as `of_one_luminance` does.
+    """
+    return [Sky(light[None], sun_elevation) for light in of_one_luminance(spectra)]
+
+
 def rows(
     skies: list[FullSky],
     rho: NDArray[np.float64],
@@ -126,15 +134,23 @@ def rows(
     rounds: int = 15,
     methods: Mapping[str, Method] = METHODS,
     light_methods: Mapping[str, LightMethod] = LIGHT_METHODS,
+    measured: list[Sky] | None = None,
     progress: bool = False,
 ) -> list[Row]:
-    """Return a row for each method, over all skies and reflectances rho (m, 81)."""
+    """Return a row for each method, over all skies and reflectances rho (m, 81).
+
+    ``measured``: what ways to shade materials are compared in instead of the skies' own light;
+    those that need the sun's elevation are left out where it has none.
+    """
+    compared = [one.sky for one in skies] if measured is None else measured
+    if any(sky.sun_elevation is None for sky in compared):
+        methods = {n: method for n, method in methods.items() if "elevation" not in method.told}
     known = cases((one.sky, one.sun) for one in skies)
     total = len(methods) + len(light_methods) + 1 + sum(len(ways(kind)) for kind in known)
     with tqdm(total=total, disable=not progress) as bar:
         result = []
         for some in (
-            material_rows("material", [one.sky for one in skies], rho, methods, rounds),
+            material_rows("material", compared, rho, methods, rounds),
             light_rows("light", skies, rho, light_methods, rounds),
             light_rows("walls", skies, rho, light_methods, rounds),
             *(material_rows(kind, some, rho, ways(kind), rounds) for kind, some in known.items()),

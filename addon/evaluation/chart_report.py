@@ -43,12 +43,13 @@ def report_chart(
     rho: NDArray[np.float64],
     costs: Mapping[str, Mapping[str, float]],
     blender: str | None = None,
+    measured: str = "",
 ) -> dict[str, Any]:
     """Write chart.png, chart.svg and chart.csv into a folder, and return the summary.
 
     ``costs``: of materials in Eevee by name, ``ratio`` to Diffuse first, then what else was
     measured; written as eevee.csv, with the error of light and shading together. Empty where there
-    was no Blender.
+    was no Blender. ``measured``: in which measured light materials were compared, empty for none.
     """
     out.mkdir(parents=True, exist_ok=True)
     records = [row.record() for row in rows]
@@ -72,9 +73,10 @@ def report_chart(
         table = [["" if cell is None else cell for cell in r.values()] for r in eevee]
         files.append(write_csv(out / "eevee.csv", list(eevee[0]), table))
     made = {"date": date.today().isoformat(), **machine(), "blender": blender}
-    files += draw(out / "chart", rows, strip, _caption(skies, rho, made))
+    files += draw(out / "chart", rows, strip, _caption(skies, rho, made, measured))
     return {
         "made": made,
+        "measured": measured,
         "sun_elevations": sorted({one.sky.sun_elevation for one in skies}),
         "materials": len(rho),
         "methods": records,
@@ -117,7 +119,9 @@ def _remark(name: str, errors: Errors | None) -> str:
     return in_words(f"{light}, {shading}: mean color error {errors.delta_E.mean():.2g}")
 
 
-def _caption(skies: list[FullSky], rho: NDArray[np.float64], made: Mapping[str, Any]) -> list[str]:
+def _caption(
+    skies: list[FullSky], rho: NDArray[np.float64], made: Mapping[str, Any], measured: str
+) -> list[str]:
     elevations = sorted(
         {one.sky.sun_elevation for one in skies if one.sky.sun_elevation is not None}
     )
@@ -126,7 +130,8 @@ def _caption(skies: list[FullSky], rho: NDArray[np.float64], made: Mapping[str, 
     return [
         f"Compared with full spectra under {len(skies)} simulated skies (sun at {suns}°; "
         f"{' and '.join(AIRS)} air) without the sun's disc, for {len(FACE_NAMES)} faces and "
-        f"{len(rho)} materials. Left: the light is exact. Right: the materials are exact.",
+        f"{len(rho)} materials. Left: the light is exact{measured and f', {measured}'}. Right: the "
+        "materials are exact.",
         "Below: light with one spectrum. The names tell what is known of it. Ground: "
         f"{', '.join(GROUNDS)}. Glass: {in_words(', '.join(GLASSES))}. Lamps: {', '.join(LAMPS)}. "
         "The time of live suns includes their sum, not their shadows.",

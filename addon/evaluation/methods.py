@@ -318,6 +318,7 @@ METHODS: dict[str, Method] = {
         Method("Mallett-Yuksel", "spectrum restored", _mallett_yuksel),
         _restored("Jakob-Hanika", upsampling.jakob_hanika),
         _restored("Otsu", upsampling.otsu),
+        _restored("nearest daylight, bent", upsampling.nearest_daylight),
     )
 }
 """All methods by name. `with_basis("measured FILE.csv")` is one more, made when it is asked for."""

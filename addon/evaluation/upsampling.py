@@ -13,9 +13,10 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ..spectra.chromaticity import uv
 from ..spectra.datasets import BASIS_REFLECTANCES, dataset
 from ..spectra.grid import WAVELENGTHS, resample
-from ..spectra.illuminants import D65
+from ..spectra.illuminants import D65, KELVIN, daylight
 from ..spectra.sensitivities import cmfs, observer
 
 Restore = Callable[[NDArray[np.float64]], NDArray[np.float64]]
@@ -107,6 +108,38 @@ def otsu() -> Restore:
 
 _ROOT = np.iinfo(int).min
 """Where the search for a set begins: row 0, that the dataset's minus signs cannot name."""
+
+
+def nearest_daylight() -> Restore:
+    """Return the way by the known light that is nearest in colour, bent until it has the colour.
+
+    After L. Tódová and A. Wilkie, "Constrained Spectral Uplifting for HDR Environment Maps",
+    Computer Graphics Forum 44, 2025, DOI 10.1111/cgf.15280, as far as its abstract tells: a pixel's
+    light is identified among measured emission spectra, and an uplift of the rest keeps its RGB.
+    Not reproduced: their measured spectra, which are not public (for a sky, whose lights are
+    daylight, here CIE's daylight from 4000 to 25,000 K; the nearest is that in u'v'); their
+    sigmoids (here the parabola over the wavelength that sigmoids are where little is to be bent);
+    and how they take pictures for it.
+    """
+    spectra = daylight(np.geomspace(*KELVIN, 24))
+    powers = np.stack([np.ones_like(_PLACE), _PLACE, _PLACE**2])
+    parts = spectra[:, None, :] * powers  # (n, 3, 81)
+    restoring = np.moveaxis(parts, 1, 2) @ np.linalg.inv(np.moveaxis(parts @ observer().T, 1, 2))
+    places = uv(spectra @ cmfs().T)
+    to_XYZ = cmfs() * D65() @ np.linalg.pinv(observer() * D65())
+
+    def restore(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
+        table, own = restoring.astype(rgb.dtype), places.astype(rgb.dtype)
+        rgb = np.maximum(rgb, 0.0)
+        at = uv((to_XYZ.astype(rgb.dtype) @ rgb).T, 1e-30)
+        nearest = ((at[:, None] - own) ** 2).sum(axis=-1).argmin(axis=1)
+        spectra = np.empty((table.shape[1], rgb.shape[1]), rgb.dtype)
+        for each in np.unique(nearest):
+            its = nearest == each
+            spectra[:, its] = table[each] @ rgb[:, its]
+        return np.maximum(spectra, 0.0)
+
+    return restore
 
 
 def _scaled(rgb: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -11,12 +11,12 @@ import pytest
 from spectral_skylight.addon import cli
 from spectral_skylight.addon.evaluation import chart, chart_picture, chart_report, speed
 from spectral_skylight.addon.evaluation.chart import Row, front, full_skies, rows, whole
-from spectral_skylight.addon.evaluation.evaluation import Errors
+from spectral_skylight.addon.evaluation.evaluation import Errors, evaluate
 from spectral_skylight.addon.evaluation.light_methods import LIGHT_METHODS
 from spectral_skylight.addon.evaluation.light_places import PLACES
 from spectral_skylight.addon.evaluation.methods import METHODS, rgb_times_rgb
 from spectral_skylight.addon.evaluation.one_light import ways
-from spectral_skylight.addon.spectra import bases
+from spectral_skylight.addon.spectra import bases, illuminants
 from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 
@@ -111,6 +111,22 @@ def test_what_a_method_needs_is_known(found):
 def row(name, nanoseconds, error, told=()):
     errors = Errors(name, np.full((1, 1), error), np.full((1, 1), error))
     return Row("material", name, "3x3", told, errors, (nanoseconds, nanoseconds), 0.0, 36, 12)
+
+
+def test_materials_in_measured_light(skies, checker, monkeypatch, tmp_path):
+    """As `evaluate` has it for the same spectra; what needs the sun's elevation only with one."""
+    monkeypatch.setattr(chart, "cases", lambda _: {})
+    spectra = 7.0 * illuminants.daylight([5000.0, 6500.0, 9000.0])
+    elevation = "atmosphere, elevation known"
+    some = {name: METHODS[name] for name in ("RGB × RGB in Rec.709", "atmosphere", elevation)}
+    options = {"rounds": 1, "methods": some, "light_methods": {}}
+    found = rows(skies, checker, measured=chart.measured_skies(spectra), **options)
+    assert [row.name for row in found if row.kind == "material"] == [*some][:2]
+    expected = {errors.method: errors for errors in evaluate(spectra, checker)}
+    for row in found:
+        np.testing.assert_allclose(row.errors.delta_E, expected[row.name].delta_E)
+    found = rows(skies, checker, measured=chart.measured_skies(spectra, 40.0), **options)
+    assert [row.name for row in found if row.kind == "material"] == [*some]
 
 
 def test_the_front_holds_what_nothing_beats():
@@ -233,6 +249,8 @@ def test_what_eevee_costs_stands_beside_what_it_shows(tmp_path, found, skies, ch
         (["--eevee", "-1"], "--eevee"),
         (["--skies", "95"], "--sun-elevation"),
         (["--skies", "high"], "--skies"),
+        (["--daylight", "none.csv"], "none.csv"),
+        (["--sun-elevation", "10"], "--daylight"),
         (["--reflectances", "none.csv"], "none.csv"),
         (["--basis", "fourier", "--skies", "30"], "--basis"),
     ],

@@ -19,7 +19,7 @@ from spectral_skylight.addon.spectra import bases
 from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.ensemble import shipped
 from spectral_skylight.addon.spectra.grid import resample
-from spectral_skylight.addon.spectra.illuminants import D65
+from spectral_skylight.addon.spectra.illuminants import D65, daylight
 from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.addon.spectra.working_spaces import XYZ_to_working
 from spectral_skylight.addon.transfer import textures
@@ -225,6 +225,17 @@ def test_upsampled_light_has_the_colour_it_was_made_of():
 
 def test_black_and_impossible_light_give_no_nonsense():
     lights = np.array([[0.0, 0.0, 0.0], [-0.1, 0.2, 0.9]])
-    for restore in (upsampling.jakob_hanika(), upsampling.otsu()):
+    ways = upsampling.jakob_hanika(), upsampling.otsu(), upsampling.nearest_daylight()
+    for restore in ways:
         black, blue = restore(lights.T).T
         assert np.all(np.abs(black) < 1e-20) and np.all(blue >= 0) and blue.max() > 0
+
+
+def test_a_known_daylight_is_found_again_and_others_keep_their_colour():
+    known = np.geomspace(4000.0, 25000.0, 24)  # the temperatures that it knows
+    restore = upsampling.nearest_daylight()
+    spectra = daylight(known)
+    np.testing.assert_allclose(restore(observer() @ spectra.T).T, spectra, rtol=1e-9)
+    between = of_the_day()
+    seen = observer() @ between.T
+    np.testing.assert_allclose(observer() @ restore(seen), seen, rtol=1e-6)
