@@ -15,6 +15,7 @@ import bpy
 
 from ..choices import QUANTITIES, items
 from . import operator, properties
+from .translation import translated
 
 _VERTEX = """
 void main() {
@@ -266,8 +267,10 @@ class SKYLIGHT_OT_hide_false_color(operator.Thin, bpy.types.Operator):
 def draw(layout: bpy.types.UILayout) -> None:
     """The row that shows false colors, and hides them."""
     row = layout.row(align=True)
-    text = QUANTITIES[shown()].label if _shown else "Show False Color"
-    row.operator_menu_enum("skylight.false_color", "quantity", text=text, icon="IMAGE_RGB_ALPHA")
+    text = translated(QUANTITIES[shown()].label if _shown else "Show False Color")
+    row.operator_menu_enum(
+        "skylight.false_color", "quantity", text=text, icon="IMAGE_RGB_ALPHA", translate=False
+    )
     if _shown:
         row.operator("skylight.hide_false_color", text="", icon="X")
 

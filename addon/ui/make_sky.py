@@ -19,7 +19,6 @@ spectral materials"""
         return context.window_manager.invoke_props_dialog(self, width=320)
 
     def draw(self, context):
-        self.layout.use_property_decorate = False
         place.draw(self.layout, context.scene.skylight_place)
 
     def work(self, context):

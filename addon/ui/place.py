@@ -189,6 +189,7 @@ class SkylightPlace(bpy.types.PropertyGroup):
 def draw(layout: bpy.types.UILayout, chosen: SkylightPlace) -> None:
     """Show the fields: where, when, in which weather, through what air."""
     layout.use_property_split = True
+    layout.use_property_decorate = False
     column = layout.column(align=True)
     column.enabled = chosen.weather != "epw"  # which says them itself
     for name in ("city", "latitude", "longitude", "timezone"):
@@ -200,7 +201,8 @@ def draw(layout: bpy.types.UILayout, chosen: SkylightPlace) -> None:
     column = layout.column(align=True)
     column.prop(chosen, "weather")
     if chosen.weather != "clear":
-        column.prop(chosen, chosen.weather)
+        column.use_property_split = False  # the names of skies are long
+        column.prop(chosen, chosen.weather, text="")
     column = layout.column(align=True)
     for name in ("haze", "ozone", "ground"):
         column.prop(chosen, name)

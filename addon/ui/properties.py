@@ -308,8 +308,8 @@ class SkylightNumbers(bpy.types.PropertyGroup):
         set=lambda self, value: _store(self.id_data, sun_elevation=30.0 if value else None),
     )
     sun_elevation: bpy.props.FloatProperty(
-        name="Elevation (Degrees)",
-        description="Elevation of the sun above the horizon. Negative after sunset",
+        name="Elevation",
+        description="Elevation of the sun above the horizon in degrees. Negative after sunset",
         min=-6.0,
         max=90.0,
         get=lambda self: _stored(self.id_data).sun_elevation or 0.0,

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import bpy
 
-from spectral_skylight.addon.ui import catalogue, text_width
+from spectral_skylight.addon.ui import catalogue, text_width, translation
 
 UNIT = 20
 """[pixels] of a button's height, and of an icon's place."""
@@ -78,6 +78,9 @@ class Layout:
         text = self._text("Operator", text) if translate else text
         self.items.append(("operator", text, icon != "NONE"))
         return SimpleNamespace()
+
+    def operator_menu_enum(self, name, _, text=None, icon="NONE", translate=True):
+        self.operator(name, text, icon, translate)
 
     def menu(self, name, text=None, icon="NONE", **_):
         text = getattr(bpy.types, name).bl_label if text is None else text
@@ -180,15 +183,34 @@ def content(sidebar):
     return sidebar - TABS - 2 * PANEL
 
 
-def cut_off(panel, sidebar, language=""):
-    """What of a panel is cut off in a sidebar of a width: lines to read, none where all is whole.
+WIDTHS = 250, 300, 400
+"""[pixels] of the sidebar: somewhat less than Blender's own, and up to a wide one."""
 
-    The language is that of the catalogue; `translation._language` must say the same.
+
+def cut_off(monkeypatch, draw):
+    """What is cut off in any language at any width: lines to read, none where all is whole.
+
+    ``draw`` takes a layout and a context, as panels do.
     """
-    layout = Layout(language=language)
-    panel.draw(SimpleNamespace(layout=layout), _Context(sidebar))
-    found = dict.fromkeys(cut(layout, content(sidebar)))
-    return [
-        f"{panel.__name__} at {sidebar} px: {text!r} needs {more:.0f} px more"
-        for text, more in found
-    ]
+    found = {}
+    for language in ("", *catalogue.LANGUAGES):
+        monkeypatch.setattr(translation, "_language", lambda language=language: language)
+        for width in WIDTHS:
+            layout = Layout(language=language)
+            draw(layout, _Context(width))
+            for text, more in cut(layout, content(width)):
+                found[f"{language or 'English'}: {text!r} needs {more:.0f} px more at {width}"] = (
+                    None
+                )
+    monkeypatch.setattr(translation, "_language", lambda: "")
+    return [*found]
+
+
+def of_panel(panel):
+    """How `cut_off` draws a panel; nothing where it does not show."""
+
+    def draw(layout, context):
+        if not hasattr(panel, "poll") or panel.poll(context):
+            panel.draw(SimpleNamespace(layout=layout), context)
+
+    return draw
