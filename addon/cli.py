@@ -37,6 +37,7 @@ COMMANDS = (
     "animate",
     "explain",
     "measure",
+    "sunlight",
     "glazing",
     "render",
     "batch",

@@ -40,6 +40,7 @@ from .materials.assigned import assigned, in_file
 from .materials.record import Result
 from .meter import calibration, light_meter, lit_scene, metered_picture, room, surface_light
 from .meter.calibration import Calibration, Told
+from .meter.exposure import Exposure, SunTimes, exposing
 from .meter.light_meter import Measured
 from .meter.places import Places
 from .meter.room import Room
@@ -167,6 +168,12 @@ def _animated(
 ) -> Generator[Progress, None, Outcome]:
     plan, lines = yield from animation.animating(scene, day, given, settings)
     return Outcome(plan.light, [one.result for one in plan.materials], lines=lines)
+
+
+def exposure(times: SunTimes) -> Generator[Progress, None, Exposure]:
+    """Find hours of sun and sky view factors on all surfaces of the open scene, yielding how far
+    that is; nothing of the file changes. Raises InputError as `exposing` does."""
+    return (yield from exposing(times))
 
 
 def develop(scene: bpy.types.Scene, settings: Settings) -> bpy.types.World:

@@ -72,6 +72,13 @@ def through_day(
     between the two, time goes on evenly. Raises InputError as that does, where the last is not
     later than the first, and where the sun stays lower than skies are simulated.
     """
+    start, end = span(date, first, last, zone)
+    seconds = np.linspace(start, end, SAMPLES)
+    return _course(seconds, latitude, longitude, f"{date} {first}-{last}")
+
+
+def span(date: str, first: str, last: str, zone: str) -> tuple[float, float]:
+    """Return from when to when [s] a part of a day goes; raises InputError as `through_day`."""
     start = local_moment(date, first, zone).timestamp()
     if last == MIDNIGHT:
         following = calendar_date.fromisoformat(date) + timedelta(days=1)
@@ -82,8 +89,7 @@ def through_day(
         raise InputError(
             parameter("to"), f"{last} is not later than {first}", "give a later time, up to 24:00"
         )
-    seconds = np.linspace(start, end, SAMPLES)
-    return _course(seconds, latitude, longitude, f"{date} {first}-{last}")
+    return start, end
 
 
 def through_year(year: int, time: str, latitude: float, longitude: float, zone: str) -> Course:

@@ -45,7 +45,7 @@ void main() {
 
 @dataclass
 class _Shown:
-    """What views show of a `surface_light.Drawing`."""
+    """What views show of a `surface_light.Drawing` or an `exposure.Drawing`."""
 
     drawing: Any
     quantity: str
@@ -62,12 +62,12 @@ _shown: list[_Shown] = []
 
 
 def shown() -> str:
-    """Which of `choices.QUANTITIES` views show, empty for none."""
+    """Which quantity views show, empty for none."""
     return _shown[0].quantity if _shown else ""
 
 
 def show(drawing: Any, quantity: str) -> None:
-    """Let 3D views show a quantity of a `surface_light.Drawing`."""
+    """Let 3D views show a quantity of a `surface_light.Drawing` or an `exposure.Drawing`."""
     hide()
     found = _Shown(drawing, quantity, drawing.scale(quantity))
     _shown.append(found)
@@ -179,7 +179,6 @@ def _draw_legend() -> None:
     from gpu_extras.batch import batch_for_shader
 
     from ..pictures import false_colour
-    from ..spectra.photometry import quantity
 
     found, region = _shown[0], bpy.context.region
     size = bpy.context.preferences.system.ui_scale or 1.0
@@ -199,8 +198,7 @@ def _draw_legend() -> None:
     blf.size(0, 11.0 * size)
     blf.enable(0, blf.SHADOW)
     blf.shadow(0, 3, 0.0, 0.0, 0.0, 1.0)
-    unit = quantity(found.quantity).unit if found.drawing.light.calibration.absolute else "relative"
-    lines = [(f"{QUANTITIES[found.quantity].label} [{unit}]", left, high + 14.0 * size)]
+    lines = [(found.drawing.title(found.quantity), left, high + 14.0 * size)]
     if found.changed:
         lines.append(("The scene has changed: show it again", left, low - 18.0 * size))
     last = -100.0
@@ -267,12 +265,13 @@ class SKYLIGHT_OT_hide_false_color(operator.Thin, bpy.types.Operator):
 def draw(layout: bpy.types.UILayout) -> None:
     """The row that shows false colors, and hides them."""
     row = layout.row(align=True)
-    text = translated(QUANTITIES[shown()].label if _shown else "Show False Color")
+    text = translated(QUANTITIES[shown()].label if shown() in QUANTITIES else "Show False Color")
     row.operator_menu_enum(
         "skylight.false_color", "quantity", text=text, icon="IMAGE_RGB_ALPHA", translate=False
     )
     if _shown:
         row.operator("skylight.hide_false_color", text="", icon="X")
+    layout.operator_menu_enum("skylight.sunlight", "show", icon="LIGHT_SUN")
 
 
 CLASSES = (SKYLIGHT_OT_false_color, SKYLIGHT_OT_hide_false_color)

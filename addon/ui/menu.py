@@ -14,7 +14,7 @@ STEPS = (
     ("browse_library", "refresh_library", "library_problems", "write_assets"),
     ("bake", "stop_light", "remove_bakes"),
     ("show_in_viewport", "before_after", "split_view", "view_as", "neutral_white"),
-    ("false_color", "hide_false_color"),
+    ("false_color", "sunlight", "hide_false_color"),
     ("batch_write", "batch_start", "batch_cancel"),
     ("help",),
 )

@@ -74,6 +74,7 @@ def test_whatever_changes_the_file_can_be_undone(addon):
         "explain",
         "measure",
         "false_color",
+        "sunlight",
         "hide_false_color",
         "stop_light",
         "stop_refining",

@@ -205,6 +205,11 @@ class Drawing:
         found = np.moveaxis(self.amounts[..., _number(name)], 1, 2)
         return np.ascontiguousarray(np.nan_to_num(found, nan=-1.0).reshape(-1, 2))
 
+    def title(self, name: str) -> str:
+        """What stands over the legend."""
+        unit = quantity(name).unit if self.light.calibration.absolute else "relative"
+        return f"{QUANTITIES[name].label} [{unit}]"
+
     def scale(self, name: str) -> Scale:
         """Return a scale for a quantity, by places that lie evenly on all surfaces."""
         corners = self.places.reshape(-1, 3, 3)
