@@ -54,7 +54,9 @@ def are_shown(scene: bpy.types.Scene) -> bool:
 
 
 def unbaked(scene: bpy.types.Scene) -> list[str]:
-    """What `look_at_bakes` kept."""
+    """What `look_at_bakes` kept; none where materials show no bakes."""
+    if not are_shown(scene):
+        return []
     found: list[str] = kept.plain(scene, tags.UNBAKED, [])
     return found if kept.are_texts(found) else []
 

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
+
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..progress import Progress, aside, run
 from ..spectra.working_spaces import rec709_to_working, srgb
 from ..transfer.prediction import rgb_albedo
 from ..transfer.swatches import beside
@@ -19,13 +22,25 @@ from .world.settings import Settings
 def colours(
     world: bpy.types.World, settings: Settings, reflectances: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return what reflectances (m, 81) show on level ground and under D65, (m, 3) each.
+    """Return what reflectances (m, 81) show, as `colouring` finds it."""
+    return run(colouring(world, settings, reflectances))
+
+
+def colouring(
+    world: bpy.types.World, settings: Settings, reflectances: NDArray[np.float64]
+) -> Generator[Progress, None, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """Find what reflectances (m, 81) show on level ground and under D65, (m, 3) each.
 
     RGB in the file's working space, as `transfer.swatches.beside` makes them. Raises InputError as
     `panorama.light_of` does.
     """
-    light = panorama.light_of(world, settings.sensors)
-    return beside(settings.transfer(light), reflectances, light.faces[0])
+    light = yield from panorama.analyzing(world, settings.sensors)
+    space = working_space.name()
+
+    def shown():
+        return beside(settings.transfer(light, space=space), reflectances, light.faces[0])
+
+    return (yield from aside(panorama.ANALYZING, shown))
 
 
 def daylight(reflectances: NDArray[np.float64]) -> NDArray[np.float64]:

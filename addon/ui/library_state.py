@@ -5,12 +5,14 @@ Panels read it at every redraw; only the refreshing operator computes.
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from functools import lru_cache
 from typing import Any
 
 import bpy
 
 from ..errors import InputError
+from ..progress import Progress, a_while, run
 
 ALL = "ALL"
 """The category that holds every reflectance."""
@@ -32,6 +34,11 @@ lit_by = ""
 
 _near: tuple[float, float, float] | None = None  # the color that a grid begins with
 
+SLICE = 0.05
+"""[s] of work between two looks at what a person does."""
+
+_lighting: Generator[Progress, None, None] | None = None
+
 partial = False
 """Whether the library's folders were left out so far."""
 
@@ -45,20 +52,26 @@ def put(found: Any, part: bool = False) -> None:
 
 
 def light(context: bpy.types.Context) -> None:
+    """Compute the colours, as `lighting` does."""
+    run(lighting(context))
+
+
+def lighting(context: bpy.types.Context) -> Generator[Progress, None, None]:
     """Compute the colours, under D65 and under the scene's sky where it has one."""
     global daylight, under_sky, lit_by
     from ..scene import swatches_under_sky as scene_sky
     from . import properties
 
-    daylight = scene_sky.daylight(library.values)
-    under_sky, lit_by = None, sky_key(context)
-    world = context.scene.world
+    found, key, world = library, sky_key(context), context.scene.world
+    colours, plain = None, scene_sky.daylight(found.values)
     try:
         if world is not None:
             settings = properties.settings_of(world)
-            under_sky, daylight = scene_sky.colours(world, settings, library.values)
+            colours, plain = yield from scene_sky.colouring(world, settings, found.values)
     except InputError:  # the panel says what is wrong with the sky; D65 is shown all the same
         pass
+    if library is found:
+        under_sky, daylight, lit_by = colours, plain, key
 
 
 def is_stale(context: bpy.types.Context) -> bool:
@@ -74,14 +87,21 @@ def follow_sky(context: bpy.types.Context) -> None:
         bpy.app.timers.register(_follow, first_interval=0.01)
 
 
-def _follow() -> None:
+def _follow() -> float | None:
+    global _lighting
     for window in bpy.context.window_manager.windows:
         with bpy.context.temp_override(window=window):
-            light(bpy.context)
+            _lighting = _lighting or lighting(bpy.context)
+            try:
+                a_while(_lighting, SLICE)
+                return 0.01
+            except StopIteration:
+                _lighting = None
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
                 area.tag_redraw()
-        return
+        return None
+    return None
 
 
 def sky_key(context: bpy.types.Context) -> str:

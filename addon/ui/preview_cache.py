@@ -7,6 +7,7 @@ materials of the same numbers find theirs again; nothing of them lies in the ble
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Hashable
 from itertools import count
 from typing import Any
@@ -22,6 +23,9 @@ KEPT = 96
 
 Draw = Callable[[], Any]
 """Returns sRGB pixels (h, w, 3) uint8, or raises InputError. It holds numbers, no blend data."""
+
+SLICE = 0.05
+"""[s] of drawing between two looks at what a person does."""
 
 _previews: Any = None
 _names: dict[Hashable, str] = {}  # of what is drawn, the latest last
@@ -53,11 +57,15 @@ def problem(key: Hashable) -> str:
 def draw_wanted() -> None:
     """Draw all that panels have asked for."""
     while _wanted:
-        key, draw = _wanted.popitem()
-        try:
-            _keep(key, draw())
-        except InputError as error:
-            _problems[key] = told(error)
+        _draw_one()
+
+
+def _draw_one() -> None:
+    key, draw = _wanted.popitem()
+    try:
+        _keep(key, draw())
+    except InputError as error:
+        _problems[key] = told(error)
 
 
 def pixels(key: Hashable) -> Any:
@@ -77,13 +85,16 @@ def clear() -> None:
         _previews = None
 
 
-def _work() -> None:
-    """Draw, and let the panels show it: a timer's turn."""
-    draw_wanted()
+def _work() -> float | None:
+    """Draw for a moment, and let the panels show it: a timer's turn."""
+    until = time.monotonic() + SLICE
+    while _wanted and time.monotonic() < until:
+        _draw_one()
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type in {"VIEW_3D", "PROPERTIES"}:
                 area.tag_redraw()
+    return 0.01 if _wanted else None
 
 
 def _keep(key: Hashable, rgb: Any) -> None:

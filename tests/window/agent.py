@@ -58,6 +58,21 @@ def light(name):
     return float(values[values[:, 3] > 0, 1].mean())
 
 
+def lit():
+    """The names of objects whose bakes hold light."""
+    package = "bl_ext.user_default.spectral_skylight"
+    storage = importlib.import_module(package + ".addon.scene.bake.storage")
+    return [obj.name for obj in bpy.data.objects if storage.is_lit(obj)]
+
+
+def shading():
+    """How the first 3D view is shown."""
+    for area in bpy.context.window_manager.windows[0].screen.areas:
+        if area.type == "VIEW_3D":
+            return area.spaces.active.shading.type
+    return None
+
+
 def solid():
     """Show no light in the 3D views: in software each frame of it takes seconds."""
     for window in bpy.context.window_manager.windows:
@@ -84,7 +99,8 @@ def near(name, wanted):
 
 def village(across):
     """A field with so many times so many boxes of 26 faces each in 24 colors, and one fine dome."""
-    bpy.data.objects.remove(bpy.data.objects["Cube"])
+    if (cube := bpy.data.objects.get("Cube")) is not None:
+        bpy.data.objects.remove(cube)
     paints = [bpy.data.materials.new(f"Paint {k}") for k in range(24)]
     for k, paint in enumerate(paints):
         color = 0.1 + 0.03 * k, 0.8 - 0.03 * k, 0.3, 1.0

@@ -149,18 +149,25 @@ def test_esc_and_undo(equipped):
 
 
 def test_the_light_follows(equipped):
-    """One click brings all light; what moves gets its own without another click, and Esc stops."""
+    """Four clicks after N bring all light; what moves gets its own without another click, and Esc
+    stops. Nothing of ours holds up the window meanwhile."""
     with Window(equipped) as window:
         window.ask("bpy.ops.mesh.primitive_plane_add(size=12, location=(0, 0, -1))")
         window.ask("bpy.context.object.data.materials.append(bpy.data.materials['Material'])")
         window.press_tab("Skylight")
+        window.step("load a sky")
         window.press("Load Sky HDRI...")
         window.press("sky.exr", times=2)
         window.find("Sky: sky.exr")
+        window.step("make spectral")
         window.press("Make Everything Spectral")
+        assert window.ask("shading()") in ("MATERIAL", "RENDERED")
         window.ask("solid()")
+        window.step("all light")
         window.wait("light('Plane') is not None and not following()", 240)
+        assert window.clicks == 4 and window.ask("matrix('Material')") is not None
         first = window.ask("light('Plane')")
+        window.step("an object is moved")
         window.ask("setattr(bpy.data.objects['Cube'], 'location', (0, 0, 2))")
         window.wait("following()", 20)
         window.wait("not following()", 120)
@@ -172,9 +179,48 @@ def test_the_light_follows(equipped):
         )
         window.wait("following()", 20)
         window.shot("following")
+        window.step("Esc")
         window.key("Escape")
         window.wait("not following()", 5)
         window.find("Stopped")
+        window.step("update")
+        window.press("Go On")
+        window.wait("not at_work()", 60)
+        window.key("Escape")
+        window.no_freeze()
+
+
+def test_the_first_minute(equipped):
+    """Two clicks from the tab to the example house in spectral light, then a village as large as a
+    town's block, a library and a lamp, and the window is alive all the time."""
+    with Window(equipped) as window:
+        window.press_tab("Skylight")
+        window.step("open the example")
+        clicks = window.clicks
+        window.press("Open Example House")
+        window.step("make spectral")
+        window.press("Make Everything Spectral")
+        assert window.ask("shading()") in ("MATERIAL", "RENDERED")
+        window.ask("solid()")
+        window.step("all light")
+        window.wait("light('House') is not None", 240)
+        assert window.clicks - clicks == 2 and window.ask("matrix('Plaster')") is not None
+        window.shot("example")
+        window.hover(window.box("WINDOW"))
+        window.step("Esc")
+        window.key("Escape")
+        window.wait("not following()", 5)
+        window.step("a village of 400")
+        window.ask("village(20)")
+        window.ask("solid()")
+        window.press("Make Everything Spectral")
+        window.ask("solid()")
+        window.wait("len(lit()) > 400", 400)
+        window.step("Esc among 400")
+        window.hover(window.box("WINDOW"))
+        window.key("Escape")
+        window.wait("not following()", 5)
+        window.no_freeze()
 
 
 def test_the_tutorial(equipped, files):

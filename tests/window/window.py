@@ -23,6 +23,9 @@ WIDTH, HEIGHT = 1100, 700
 Box = tuple[int, int, int, int]
 """Left, top, width and height on the screen [pixels]."""
 Word = tuple[str, Box]
+FREEZE = 0.3
+"""[s] of the main thread's processor time that the add-on may take between two looks at events:
+what a person takes for a pause. Of processor time, for the tests of all lanes run beside."""
 ENLARGED = 3
 """Letters are 8 pixels high on the screen; tesseract wants 20 or more."""
 
@@ -82,13 +85,24 @@ class Window:
 
     def __init__(self, debian: Debian):
         self.debian = debian
+        self.clicks = 0
+        """Of the mouse, a double one for one."""
+        self._processes: list[subprocess.Popen[bytes]] = []
 
     def __enter__(self) -> Window:
+        try:
+            return self._start()
+        except BaseException:
+            self.__exit__()
+            raise
+
+    def _start(self) -> Window:
         for name in ("agent.py", "freezes.py"):
             shutil.copy(HERE / name, self.debian.folder)
         (self.debian.folder / "started").unlink(missing_ok=True)
         screen = f"{WIDTH}x{HEIGHT}x24"
         self.screen = self.debian.start("Xvfb", DISPLAY, "-screen", "0", screen, log="xvfb")
+        self._processes.append(self.screen)
         time.sleep(1)
         self.blender = self.debian.start(
             *("blender", "--gpu-backend", "opengl"),  # Vulkan in software crashes
@@ -96,14 +110,16 @@ class Window:
             *("--python", f"{self.debian.inside}/agent.py", "--", self.debian.inside),
             log="blender",
         )
+        self._processes.append(self.blender)
         self._until(lambda: (self.debian.folder / "started").exists(), 60, "Blender did not start")
         self.ask("True")
         return self
 
     def __exit__(self, *_: object) -> None:
-        for process in (self.blender, self.screen):
+        for process in self._processes:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
+        self._processes.clear()
 
     def ask(self, expression: str, timeout: float = 120) -> object:
         """The value of an expression inside Blender, once it has time for it."""
@@ -117,6 +133,20 @@ class Window:
         if "error" in said:
             raise RuntimeError(said["error"])
         return said["value"]
+
+    def step(self, name: str) -> None:
+        """What is done from now on belongs to a step of this name in the table of freezes."""
+        self.ask(f"watched.begin({name!r})")
+
+    def no_freeze(self) -> None:
+        """Print how long the window stood still in each step, and what of that was ours, which must
+        be under `FREEZE`."""
+        table = self.ask("watched.table()")
+        print(f"\n{'step':<20} longest  ours [s]  in")
+        for name, longest, ours, what, where in table:
+            print(f"{name:<20} {longest:7.2f} {ours:9.2f}  {what}  {where}")
+        frozen = [(name, ours, what) for name, _, ours, what, _ in table if ours > FREEZE]
+        assert not frozen, frozen
 
     def wait(self, expression: str, timeout: float = 120) -> None:
         """Wait until an expression inside Blender is true."""
@@ -138,6 +168,7 @@ class Window:
 
     def pointer(self, *command: object) -> None:
         """One call of xdotool."""
+        self.clicks += command[0] == "click" and command[-1] == "1"
         self.debian.run("xdotool", *map(str, command))
 
     def key(self, *names: str) -> None:
