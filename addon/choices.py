@@ -82,7 +82,9 @@ OCCLUSIONS: Choices = {
     ),
     OPEN: Entry("Open Sky", "The whole sky lights every face; only the sun casts shadows"),
     DOME: Entry(
-        "Live", "24 soft sun lamps cast the sky's shadows in Eevee, also of moving objects"
+        "Live",
+        "24 soft sun lamps cast the sky's shadows in Eevee, also of moving objects. Shaders "
+        "compile once, and each frame takes longer",
     ),
     BAKED: Entry(
         "Baked",

@@ -51,7 +51,8 @@ class Apply(choice.Fields, operator.Long):
 
 
 class SKYLIGHT_OT_apply(Apply, bpy.types.Operator):
-    """Shade this material spectrally under the World's sky"""
+    """Make this material spectral with its measured reflectance, under the World's sky. Remove \
+restores it"""
 
     bl_idname = "skylight.apply"
     bl_label = "Apply"
@@ -96,7 +97,8 @@ class SKYLIGHT_OT_apply_all(Apply, bpy.types.Operator):
 
 
 class SKYLIGHT_OT_estimate(operator.Long, bpy.types.Operator):
-    """Estimate a reflectance from the material's base color or texture and shade it spectrally"""
+    """Estimate a reflectance from the material's base color or texture and shade it \
+spectrally, as long as none is measured"""
 
     bl_idname = "skylight.estimate"
     bl_label = "Estimate from Base Color"

@@ -11,8 +11,9 @@ from . import choice, follow, give, operator, properties, update, view
 
 
 class SKYLIGHT_OT_make_spectral(operator.Long, bpy.types.Operator):
-    """Make all materials of the scene spectral. Each uses its chosen file, or an estimate from \
-its base color. Materials left alone are listed with the reason. Press Esc to stop"""
+    """Make all materials of the scene spectral and show them in all their light, which is \
+computed while you work on. Each uses its chosen file, or an estimate from its base color. \
+Materials left alone are listed with the reason. Press Esc to stop"""
 
     bl_idname = "skylight.make_spectral"
     bl_label = "Make Everything Spectral"

@@ -8,7 +8,8 @@ from . import follow, give, operator, properties
 
 
 class SKYLIGHT_OT_load_sky(operator.Long, bpy.types.Operator):
-    """Light the scene with a sky HDRI and update the spectral materials"""
+    """Light the scene with a sky HDRI, in a new World, and update the spectral materials. Your \
+World stays in the file"""
 
     bl_idname = "skylight.load_sky"
     bl_label = "Load Sky HDRI"
@@ -38,7 +39,8 @@ class SKYLIGHT_OT_load_sky(operator.Long, bpy.types.Operator):
 
 
 class SKYLIGHT_OT_use_world(operator.Thin, bpy.types.Operator):
-    """Take the World as it is for the sky, whatever its nodes are"""
+    """Take the World as it is for the sky, whatever its nodes are. A World with an HDRI is taken \
+without this button"""
 
     bl_idname = "skylight.use_world"
     bl_label = "Use My World"

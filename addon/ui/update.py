@@ -50,8 +50,8 @@ def unbaked(context: bpy.types.Context) -> give.Lines:
 
 
 class SKYLIGHT_OT_update(operator.Long, bpy.types.Operator):
-    """Update spectral materials to the HDRI, the settings and the lamps, and list files, bakes \
-and base colors that have changed"""
+    """Update spectral materials after a change of the HDRI, the settings or the lamps, and list \
+files, bakes and base colors that have changed"""
 
     bl_idname = "skylight.update"
     bl_label = "Update"

@@ -96,8 +96,8 @@ def nothing_to_compare() -> str:
 
 
 class SKYLIGHT_OT_before_after(operator.Thin, bpy.types.Operator):
-    """Switch spectral materials between RGB × RGB, as Blender shades, and spectral colors. \
-Shaders are not compiled again"""
+    """Switch spectral materials between RGB × RGB, as Blender shades, and spectral colors, in \
+renders too. Shaders are not compiled again"""
 
     bl_idname = "skylight.before_after"
     bl_label = "Before / After"
