@@ -1,0 +1,113 @@
+"""All light of a scene: baked, and following what changes."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Generator
+from dataclasses import replace
+from typing import Any
+
+import bpy
+
+from ...choices import BAKED
+from ...progress import Progress, timed
+from .. import out_of_date, scene_lighting
+from .. import plan as planning
+from ..bake import scene_bake, session
+from ..bake.light import SceneLight, shining_of
+from ..lights import lighting
+from ..materials.assigned import assigned
+from ..outcome import Outcome
+from ..plan import Assignments
+from ..world import light_group, panorama
+from ..world.settings import Settings
+from ..write import write
+from .materials import editable, given_before, in_scene, making_spectral
+from .world import developing
+
+
+def making_spectral_with_all_light(
+    scene: bpy.types.Scene, given: Assignments, settings: Settings
+) -> Generator[Progress, None, Outcome]:
+    """Give materials what they are assigned, and bake all light where settings ask for it.
+
+    Raises InputError as `make_spectral` does.
+    """
+    found = yield from making_spectral(scene, given, settings, settings.shadows != BAKED)
+    if settings.shadows != BAKED:
+        return found
+    lines = yield from all_light(scene, settings)
+    return replace(found, lines=[*found.lines, *lines])
+
+
+def bake(
+    scene: bpy.types.Scene,
+    settings: Settings,
+    objects: Collection[bpy.types.Object] | None = None,
+    **options: Any,
+) -> Generator[Progress, None, list[str]]:
+    """Bake all light on objects of the active scene, yielding how far it is.
+
+    ``objects``: None for all of its managed ones; ``options``: those of `scene_bake.bake`. Returns
+    lines to read. Raises InputError as `analyzed` does.
+    """
+    shining = yield from shining_on(scene, settings)
+    return (yield from _baking(scene, shining, objects, **options))
+
+
+def _baking(
+    scene: bpy.types.Scene,
+    shining: SceneLight,
+    objects: Collection[bpy.types.Object] | None = None,
+    **options: Any,
+) -> Generator[Progress, None, list[str]]:
+    try:
+        lines, seconds = yield from timed(scene_bake.bake(objects, light=shining, **options))
+        if not (cost := session.account()) or scene_bake.NOTHING in lines:
+            return lines
+        return [*lines, f"all light: {cost}, {seconds:.1f} s"]
+    finally:
+        lighting.refresh(scene.world)  # lamps shine on what stands in for instances, too
+
+
+def following(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress, None, list[str]]:
+    """Let materials and all light follow what has changed in the active scene; returns lines.
+
+    Nothing is done where nothing has. Raises InputError as `update` does.
+    """
+    lines: list[str] = []
+    shining = yield from shining_on(scene, settings)
+    if not session.is_lit_by(shining):
+        chosen, lines = editable(in_scene(scene))
+        world = yield from developing(scene, settings)
+        yield from write((yield from planning.making(world, given_before(chosen), settings)))
+    return lines + (yield from all_light(scene, settings))
+
+
+def all_light(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress, None, list[str]]:
+    """Bake what has no light or an old one in the active scene, or where there is nothing to bake,
+    light anew what is baked; returns lines. Raises InputError as `analyzed` does.
+    """
+    shining = yield from shining_on(scene, settings)
+    old = yield from scene_bake.finding_stale()
+    lines: list[str] = []
+    if not any(map(scene_bake.is_waiting, old)):
+        lines = yield from scene_bake.relighting(shining)
+    return lines + (yield from _baking(scene, shining, old, changed_only=False))
+
+
+def shining_on(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress, None, SceneLight]:
+    """Find what shines on a scene now, by the models that its materials have."""
+    world = scene.world
+    light = yield from panorama.analyzing(world, settings.sensors)
+    assert world is not None  # else it had raised
+    given = ((material, assigned(material)) for material in in_scene(scene))
+    surfaces = {material: one for material, one in given if one is not None and not one.faces}
+    _, choice = yield from planning.choosing(light, surfaces, settings)
+    found = yield from scene_lighting.finding(world, light, choice.transfer, settings, {})
+    return (yield from shining_of(world, found, scene))
+
+
+def light_lines(scene: bpy.types.Scene) -> list[str]:
+    """What shines on a scene's materials, and what a picture must say; none before any."""
+    found = light_group.record_of(scene.world)
+    return [] if found is None else [*found.lights, *found.warnings, out_of_date.caption(scene)]
