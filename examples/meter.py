@@ -1,6 +1,6 @@
 """The light meter beside the referee: lux, melanopic lux and kelvin at points of an example.
 
-    .venv/bin/python examples/meter.py NAME ... [--samples N]
+    sh examples/run meter NAME ... [--samples N]
 
 What a matt face sends, over its reflectance, is the light on it: so the referee's pictures, in
 full spectrum and with every bounce, are meters at the places that its pixels show. Nothing of the
@@ -37,6 +37,9 @@ from spectral_skylight.addon.transfer.readings import Readings
 
 SIZE = 36, 24
 """Pixels. Each is a meter, so few do."""
+
+WINDOW = 3
+"""Pixels of one face that are taken together, of both."""
 
 SHARPER = 10
 """Times the example's samples, of which its noise is that of pictures."""
@@ -77,9 +80,9 @@ def compare(name: str, out: Path, samples: int) -> dict:
         settings = stored(scene.world) or Settings()
         measured = work(use_cases.measuring(scene, settings, meters))
         seconds = time.perf_counter() - began
-    irradiance = measured.readings.irradiance.reshape(-1, 16, 81).mean(axis=1)
-    ours = Readings(irradiance, irradiance)
-    true = [Readings(each[where], each[where]) for each in (truth.mean(axis=0), *truth)]
+    face = np.where(where, by_pixel(rays.face[..., None])[:, :, 0, 0], -1)
+    ours = around(measured.readings.irradiance.reshape(-1, 16, 81).mean(axis=1), face)
+    true = [around(each[where], face) for each in (truth.mean(axis=0), *truth)]
     return {
         "scene": name,
         "points": int(where.sum()),
@@ -89,6 +92,19 @@ def compare(name: str, out: Path, samples: int) -> dict:
         "errors": errors(ours, true[0]),
         "noise": errors(true[1], true[2], 0.5),
     }
+
+
+def around(irradiance: np.ndarray, face: np.ndarray) -> Readings:
+    """Return meters of the chosen pixels (n, 81), each a mean over `WINDOW` x `WINDOW` of its face.
+
+    ``face`` (h, w): -1 where none is chosen. What is left of the referee's noise is a third.
+    """
+    at = np.argwhere(face >= 0)
+    reach = WINDOW // 2
+    near = (np.abs(at[:, None] - at[None]) <= reach).all(axis=2)
+    near &= face[tuple(at.T)][:, None] == face[tuple(at.T)][None]
+    mean = near @ irradiance / near.sum(axis=1, keepdims=True)
+    return Readings(mean, mean)
 
 
 def errors(ours: Readings, true: Readings, share: float = 1.0) -> dict:

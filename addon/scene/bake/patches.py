@@ -7,7 +7,7 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
-from ...progress import Progress, aside
+from ...progress import Progress, aside, mapped
 from ...transport.cells import Cells, Surfaces, levels_for, pieces
 from ...transport.hits import Space
 from ...transport.radiosity import Radiosity
@@ -55,4 +55,26 @@ def casting(around: Geometry, light: Light) -> Generator[Progress, None, Radiosi
     radiosity = Radiosity(Space(cells, light.matter(around.materials)))
     for done in radiosity.cast(sent(radiosity, 1)):
         yield Progress(0.3 * done, BETWEEN)
+    return radiosity
+
+
+def casting_finely(
+    around: Geometry, light: Light, tolerance: float = 0.1
+) -> Generator[Progress, None, Radiosity]:
+    """Return the same, finely where light changes by more than a tolerance within a patch, as at a
+    shadow's edge: what lies just beside it, as before an open door, counts for those inside."""
+    at, matter = Progress(0.0, BETWEEN), light.matter(around.materials)
+    _, parts, of_parts, _, cells = yield from aside(at, first_cells, around)
+    coarse = Radiosity(Space(cells, matter))
+    for done in coarse.cast(sent(coarse, 0), alike=True):
+        yield Progress(0.1 * done, BETWEEN)
+    at = Progress(0.1, BETWEEN)
+    lamps = [lamp.seen_from(around.origin) for lamp in light.lamps]
+    direct = yield from mapped(coarse.lit_by(lamps), lambda _: at)
+    yield from aside(at, coarse.solve, light.sky, direct)
+    finer = layout.finer(parts, of_parts, layout.bends(coarse), tolerance, PATCHES[1])
+    cells = yield from aside(at, Cells.of, parts, finer, layout.SMALL * around.size)
+    radiosity = Radiosity(Space(cells, matter))
+    for done in radiosity.cast(sent(radiosity, 1)):
+        yield Progress(0.1 + 0.3 * done, BETWEEN)
     return radiosity

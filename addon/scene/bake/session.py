@@ -239,7 +239,7 @@ def casting(
     Returns the origin (3,) of the geometry, the full names of its materials, and the patches.
     """
     around = yield from geometry.gathering()
-    radiosity = yield from patches.casting(around, light)
+    radiosity = yield from patches.casting_finely(around, light)
     return around.origin, around.materials, radiosity
 
 

@@ -80,8 +80,8 @@ def _tag(image: bpy.types.Image, space: str) -> bool:
 
 def _packed(path: Path, sky: Panorama, raw: bool) -> bpy.types.Image:
     # Under a name of its own: unpacking must not overwrite the file that was read.
-    said = "whiteLuminance"
-    attributes = {said: sky.metadata[said]} if said in sky.metadata else {}
+    white = sky.metadata.get("whiteLuminance")
+    attributes: dict[str, Any] = {"whiteLuminance": white} if kept.is_number(white) else {}
     if sky.spectrum is not None:
         attributes[ATTRIBUTE] = sky.spectrum.to_text()
     image = _in_file(f"{path.stem}.as_read.exr", sky.rgb, attributes)
