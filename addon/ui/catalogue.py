@@ -26,6 +26,7 @@ Messages = dict[tuple[str, str], str]
 
 _LINE = re.compile(r'(msgctxt|msgid|msgstr)? ?"(.*)"')
 _ESCAPE = re.compile(r"\\(.)")
+_VALUE = "((?:(?!; ).)*?)"  # a value is no two sentences
 _PLACE = re.compile(r"\{\d+\}")
 
 
@@ -77,16 +78,17 @@ class Catalogue:
 
     def __init__(self, messages: Messages) -> None:
         self.messages = {key: text for key, text in messages.items() if text}
-        self._templates = sorted(self._read(), key=lambda each: -each.known)
+        self._templates = sorted(self._read(), key=lambda each: (-each.known, each.rarest != "; "))
 
     def _read(self) -> Iterator[_Template]:
         for (context, english), text in self.messages.items():
             is_tail = english[0] in ",;: "  # what code appends to any line
             if context == LINE and (is_tail or _PLACE.search(english)):
                 parts = _PLACE.split(english)
-                pattern = "(.*?)" * is_tail + "(.*?)".join(map(re.escape, parts))
-                order = tuple(int(place[1:-1]) for place in _PLACE.findall(english))
                 is_words = any(map(str.isalpha, "".join(parts)))
+                value = _VALUE if is_words else "(.*?)"
+                pattern = "(.*?)" * is_tail + value.join(map(re.escape, parts))
+                order = tuple(int(place[1:-1]) for place in _PLACE.findall(english))
                 found = re.compile(pattern, re.DOTALL)
                 rarest, known = max(parts, key=len), len("".join(parts))
                 yield _Template(rarest, known, found, order, text, is_words, is_tail)
@@ -96,14 +98,16 @@ class Catalogue:
 
         A part of a line may also begin one, with a capital letter.
         """
-        if found := self._said(text):
-            return found
-        found = self._said(text[:1].lower() + text[1:])
-        return found[:1].upper() + found[1:] or text
+        small = text[:1].lower() + text[1:]
+        for find in (self._whole, self._composed):
+            if found := find(text):
+                return found
+            if found := find(small):
+                return found[:1].upper() + found[1:]
+        return text
 
-    def _said(self, text: str) -> str:
-        whole = self.messages.get((LINE, text)) or self.messages.get((BLENDER, text))
-        return whole or self._composed(text)
+    def _whole(self, text: str) -> str:
+        return self.messages.get((LINE, text)) or self.messages.get((BLENDER, text), "")
 
     def _composed(self, text: str) -> str:
         for each in self._templates:

@@ -48,10 +48,14 @@ SENTENCES = (
     "scene/world/panorama.py",
     "scene/world/view_transform.py",
     "scene/write.py",
+    "sky/direct_sun.py",
     "sky/hdri_checks.py",
+    "sky/header_notes.py",
     "sky/light.py",
+    "sky/sky_classification.py",
     "transfer/choice.py",
     "transfer/ground.py",
+    "transfer/lamps.py",
     "transfer/prediction.py",
 )
 """Files of other rooms whose sentences stand in the panel and in reports.
@@ -63,7 +67,7 @@ lie in the blend file.
 
 COMPOSED = (
     *("{0} materials ({1})", "{0} objects ({1})", "{0} lamps ({1})"),
-    *("{0}: {1}", "{0}; {1}", "{0}: {1}; {2}"),
+    *("{0}; {1}", "{0}: {1}"),
     *("estimated", "unknown", "none", "preparing {0}", "{0} left", "starting", "stopped"),
     *("Day, sun at {0}°", "is", "are", "Strength", "Rotation", "Strength and Rotation"),
     "no light comes from below: the HDRI is black there",
@@ -99,7 +103,7 @@ Message = tuple[str, str]
 def messages() -> dict[Message, str]:
     """Every message of the interface, and where it stands."""
     found: dict[Message, str] = {}
-    for path in (*OWN, *(ADDON / name for name in SENTENCES)):
+    for path in (*OWN, *(path for name in SENTENCES for path in sorted(ADDON.glob(name)))):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         for line, (context, text) in _Reader(tree).found:
             if text not in NOT_SHOWN and (path in OWN or is_sentence(text)):

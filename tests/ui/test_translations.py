@@ -97,6 +97,14 @@ LINES = {
     "All light is baked": "Alles Licht ist gebacken",
     "All light: 40 %, 12 s left": "Alles Licht: 40 %, noch 12 s",
     "All light: 40 %": "Alles Licht: 40 %",
+    "No light is baked yet: the open sky lights every face": (
+        "Noch kein Licht ist gebacken: der offene Himmel beleuchtet jede Fläche"
+    ),
+    "sky: basis daylight, degree 2, no sun; 40 % of the sky is hidden from these materials: "
+    "sky shadows are not noticeable": (
+        "Himmel: Basis daylight, Grad 2, keine Sonne; 40 % des Himmels sind vor diesen Materialien "
+        "verborgen: Himmelsschatten sind nicht merklich"
+    ),
     "Left alone: Red Brick: is hair": "Nicht verändert: Red Brick: ist Haar",
     "Wall: brick, ΔE 0.1 (at most 0.3), RGB × RGB 2.0; out of gamut: Blender clamps it": (
         "Wall: brick, ΔE 0.1 (höchstens 0.3), RGB × RGB 2.0; "
