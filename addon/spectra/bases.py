@@ -102,24 +102,29 @@ def restoration(B: NDArray[np.float64], S_in: NDArray[np.float64]) -> NDArray[np
 
 
 def fitted(
-    B: NDArray[np.float64], S_in: NDArray[np.float64], members: NDArray[np.float64]
+    B: NDArray[np.float64],
+    S_in: NDArray[np.float64],
+    members: NDArray[np.float64],
+    share: float,
 ) -> NDArray[np.float64]:
     """Return the basis (3, 81) that fits light which is known, and else an expected one B (3, 81).
 
     ``members`` (m, 81): the spectra that there are, each times the root of how much it counts. By
     least squares over these its matrices are the best 3x3 of every reflectance at once, for the
     error of each row of a matrix is linear in the reflectance. Where members tell less than three
-    numbers of a spectrum can, as those of an even sky do, the expected basis tells the rest.
+    numbers of a spectrum can, as those of an even sky do, the expected basis tells the rest: it
+    counts as much as this ``share`` of them, one of `SHARES`.
     """
     expected = restoration(B, S_in)
     seen = members @ S_in.T
-    little = _LITTLE * np.sum(seen**2) / 3.0
+    little = share * np.sum(seen**2) / 3.0
     moment = seen.T @ seen + little * np.eye(3)
     return np.linalg.solve(moment, seen.T @ members + little * expected.T)
 
 
-_LITTLE = 1e-5
-"""How much an expected basis counts beside known light: like an error of a third of a per cent."""
+SHARES = 1e-5, 1e-4, 1e-3, 1e-2
+"""How much an expected basis counts beside known light: the first as an error of a third of a per
+cent, the others where that leaves matrices that no light needs."""
 
 _LEAN, _LEAN_BY_COLOUR = 0.5, 0.3
 """How much of the paper's basis is in `atmosphere` by day, and where the colour alone is known,

@@ -11,7 +11,7 @@ T. Tachi, "Full-Spectral Image-Based Lighting with Skylight".
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -144,8 +144,6 @@ def transfer(
     if sky_rgb is not None and white is not None:
         sky_rgb = np.asarray(sky_rgb, dtype=float) * white
     B = bases.basis(basis, S_in, sun_elevation=sun_elevation, sky_rgb=sky_rgb)
-    if known is not None and basis == BASIS:
-        B, basis = bases.fitted(B, S_in, known), OWN
     mapping = Transfer(
         S_in=S_in,
         S_out=S_out,
@@ -154,6 +152,8 @@ def transfer(
         basis=basis,
         space=space,
     )
+    if known is not None and basis == BASIS:
+        return _fitted(mapping, known)
     if mapping.largest > _TOO_LARGE:
         raise InputError(
             parameter("basis"),
@@ -162,6 +162,20 @@ def transfer(
             "give more varied skies or another basis",
         )
     return mapping
+
+
+def _fitted(expected: Transfer, known: NDArray[np.float64]) -> Transfer:
+    """Return the mapping of known light, as near to the expected one as keeps its entries small.
+
+    Of light that hardly varies some of what it does is the grain of its numbers.
+    """
+    B = expected.restoration.T
+    for share in bases.SHARES:
+        own = bases.restoration(bases.fitted(B, expected.S_in, known, share), expected.S_in)
+        mapping = replace(expected, restoration=own, basis=OWN)
+        if mapping.largest <= _TOO_LARGE:
+            return mapping
+    return expected
 
 
 def check_white(white: ArrayLike) -> NDArray[np.float64]:

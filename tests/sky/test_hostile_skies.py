@@ -14,7 +14,10 @@ import pytest
 
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.sky.file_claims import SMALL
+from spectral_skylight.addon.sky.known_spectrum import ATTRIBUTE
 from spectral_skylight.addon.sky.panorama import read_panorama
+from spectral_skylight.addon.sky.spectral_panorama import spectral_sky, to_grid
+from spectral_skylight.tests.sky.spectral_files import radiance, stokes, write_fichet, write_hsr
 from spectral_skylight.tests.sky.test_panorama import hdr, noise, rgbe
 
 COUNT = int(os.environ.get("SKYLIGHT_FUZZ", "40"))
@@ -56,6 +59,15 @@ def files(tmp_path_factory):
     header = b"PRIMARIES=0.708 0.292 0.17 0.797 0.131 0.046 0.3127 0.329\nCOLORCORR=2 1 0.5\n"
     found["new.hdr"] = hdr(rgbe(rgb), header)
     found["old.hdr"] = hdr(rgbe(rgb), header, new=False)
+    nodes = np.arange(400.0, 741.0, 34.0)
+    values = 10.0 * radiance(nodes, rows=16)
+    found["spectra.hsr"] = write_hsr(path, values).read_bytes()
+    for packing in ("ZIP", "PIZ"):
+        compression = getattr(OpenEXR, f"{packing}_COMPRESSION")
+        write_fichet(path, stokes(values, nodes), compression=compression)
+        found[f"spectra {packing}.exr"] = path.read_bytes()
+    known = {ATTRIBUTE: spectral_sky(values.astype(np.float32), to_grid(nodes), path)[1].to_text()}
+    found["known.exr"] = exr_bytes(path, known, planes)
     return found
 
 
