@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -26,6 +27,13 @@ HEADINGS = (
     "duv",
 )
 """Of the columns of `Readings.rows`."""
+
+_UNIT = re.compile("_(lx|cd_m2|W_m2)$")
+
+
+def headings(absolute: bool) -> list[str]:
+    """Return `HEADINGS`, of light that is only relative without its units."""
+    return [name if absolute else _UNIT.sub("_relative", name) for name in HEADINGS]
 
 
 @dataclass(frozen=True)

@@ -94,6 +94,10 @@ def test_without_a_unit_it_says_relative(outdoors):
     assert not relative.calibration.absolute and absolute.calibration.absolute
     assert relative.lines()[0].startswith("Light: relative")
     assert not any(" lx" in line for line in relative.lines()[1:])
+    assert set(relative.plain()["units"].values()) == {"relative"}
+    heads = [room_page.table(each).partition("\n")[0] for each in outdoors]
+    assert "illuminance_relative" in heads[0] and "_lx" not in heads[0]
+    assert "illuminance_lx" in heads[1] and "relative" not in heads[1]
     scale = WHITE_LUMINANCE
     assert absolute.readings["illuminance"][0] == pytest.approx(
         scale * relative.readings["illuminance"][0], rel=1e-3

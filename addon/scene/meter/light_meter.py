@@ -18,6 +18,15 @@ from . import calibration, lit_scene
 from .calibration import Calibration, Told
 from .places import Places
 
+_UNITS = {
+    "illuminance": "lx",
+    "edi": "lx",
+    "luminance": "cd/m²",
+    "alpha_opic_irradiance": "W/m²",
+    "spectrum": "W/(m² nm)",
+}
+"""Of `Measured.plain`; color temperatures are in kelvin."""
+
 UNTOLD = 0.5
 """A meter of whose rays less than this part tell anything stands in something solid."""
 
@@ -60,14 +69,7 @@ class Measured:
         return {
             "absolute": self.calibration.absolute,
             "calibration": self.calibration.line,
-            "units": {
-                "illuminance": "lx",
-                "edi": "lx",
-                "luminance": "cd/m²",
-                "alpha_opic_irradiance": "W/m²",
-                "cct": "K",
-                "spectrum": "W/(m² nm)",
-            },
+            "units": _UNITS if self.calibration.absolute else dict.fromkeys(_UNITS, "relative"),
             "wavelengths": WAVELENGTHS.tolist(),
             "points": points,
         }

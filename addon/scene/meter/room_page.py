@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...pictures.light_map import light_map
 from ...pictures.png_file import write_png
-from ...transfer.readings import HEADINGS, number
+from ...transfer.readings import headings, number
 from ...whole_files import write_text
 from .light_meter import Measured
 from .room import Room
@@ -36,8 +36,9 @@ def table(measured: Measured, daylight_factor: NDArray[np.float64] | None = None
     """Return what was measured as CSV, a row for each place; what is worth nothing stays empty."""
     text = io.StringIO()
     rows = csv.writer(text, lineterminator="\n")
+    shown = headings(measured.calibration.absolute)
     more = [] if daylight_factor is None else ["daylight_factor_percent"]
-    rows.writerow(["x", "y", "z", "normal_x", "normal_y", "normal_z", *HEADINGS, *more])
+    rows.writerow(["x", "y", "z", "normal_x", "normal_y", "normal_z", *shown, *more])
     for k, values in enumerate(measured.readings.rows):
         place = [*measured.places.points[k], *measured.places.normals[k]]
         if daylight_factor is not None:
