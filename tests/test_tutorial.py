@@ -19,7 +19,6 @@ def new_file(tmp_path, monkeypatch):
     spectral_skylight.register()
     for name, content in tutorial.files().items():
         (tmp_path / name).write_text(content, encoding="utf-8")
-    stage.write_sky(tmp_path / "sky.exr")
     monkeypatch.chdir(tmp_path)
     yield
     spectral_skylight.unregister()

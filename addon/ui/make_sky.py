@@ -16,10 +16,12 @@ spectral materials"""
     def invoke(self, context, event):
         self.asked = True
         place.take_over(context.scene)
-        return context.window_manager.invoke_props_dialog(self, width=320)
+        manager = context.window_manager
+        return manager.invoke_props_dialog(self, width=320, confirm_text="Simulate")
 
     def draw(self, context):
-        place.draw(self.layout, context.scene.skylight_place)
+        chosen = context.scene.skylight_place
+        place.draw(self.layout, chosen, asks=not place.is_chosen(chosen))
 
     def work(self, context):
         from ..scene import use_cases

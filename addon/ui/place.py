@@ -186,13 +186,24 @@ class SkylightPlace(bpy.types.PropertyGroup):
     )
 
 
-def draw(layout: bpy.types.UILayout, chosen: SkylightPlace) -> None:
-    """Show the fields: where, when, in which weather, through what air."""
+def is_chosen(chosen: SkylightPlace) -> bool:
+    """Whether anybody has said where: else a city is the first thing to type."""
+    return any(chosen.is_property_set(name) for name in ("city", "latitude", "longitude", "epw"))
+
+
+def draw(layout: bpy.types.UILayout, chosen: SkylightPlace, asks: bool = False) -> None:
+    """Show the fields: where, when, in which weather, through what air.
+
+    ``asks``: whether a city can be typed at once.
+    """
     layout.use_property_split = True
     layout.use_property_decorate = False
     column = layout.column(align=True)
     column.enabled = chosen.weather != "epw"  # which says them itself
-    for name in ("city", "latitude", "longitude", "timezone"):
+    row = column.row(align=True)
+    row.activate_init = asks
+    row.prop(chosen, "city")
+    for name in ("latitude", "longitude", "timezone"):
         column.prop(chosen, name)
     layout.prop(chosen, "north")
     column = layout.column(align=True)
