@@ -9,9 +9,10 @@ import pytest
 
 from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.sky.cie_skies import cie_luminance
+from spectral_skylight.addon.transfer import glass
 from spectral_skylight.addon.transport import directions
 from spectral_skylight.addon.transport.bands import COUNT
-from spectral_skylight.addon.transport.cells import Cells, Surfaces
+from spectral_skylight.addon.transport.cells import ANGLES, Cells, Surfaces
 from spectral_skylight.addon.transport.hits import Space
 from spectral_skylight.addon.transport.meter import Field
 from spectral_skylight.addon.transport.radiosity import Direct
@@ -226,3 +227,34 @@ def test_a_lamp_by_the_inverse_square():
         expected = np.array([1.0 / 4.0, cosine / 8.0])
         expected[1] *= 1.0 if each is lamp else cosine
         np.testing.assert_allclose(seen, expected, rtol=rel)
+
+
+def test_sky_through_a_glazed_opening_in_the_roof():
+    """CIE 171, 5.10: the pane's transmittance falls with the angle, by Fresnel's equations."""
+    low, high = (1.0, 1.0), (3.0, 3.0)
+    opening = rectangle(low, high, 2, 3.0)
+    corners = np.concatenate([room(2, low, high), triangles(opening)])
+    tau = np.full(1, 0.88)
+    cosines = (np.arange(ANGLES) + 0.5) / ANGLES
+    of = matter([0.0, 0.0])
+    of.clear[1] = True
+    of.transmittance[1] = glass.uncoated(tau, cosines).transmittance[:, :1]
+    kinds = np.zeros(len(corners), np.int32)
+    kinds[-2:] = 1
+    none = np.zeros(len(corners), np.int32)
+    surfaces = Surfaces(corners.astype(float), kinds, none.astype(bool), none)
+    space = Space(Cells.of(surfaces, none), of)
+    table = np.zeros((space.rows, COUNT), np.float32)
+    table[space.sky : space.lost] = sky(overcast)
+    tells = np.ones(space.rows, np.float32)
+    tells[space.lost] = 0.0
+    field = Field(space, table, tells, DARK[:, :1])
+    places = [(x, 2.0, 0.0) for x in (0.5, 1.5, 2.0)]
+    seen, _ = read(field, places, [UP] * len(places))
+
+    def behind(elevation):
+        passed = glass.uncoated(tau, np.sin(elevation)).transmittance[..., 0]
+        return overcast(elevation) * passed
+
+    expected = [through(opening, np.array(place), UP, behind) for place in places]
+    np.testing.assert_allclose(seen, expected, rtol=0.01)
