@@ -26,6 +26,7 @@ from spectral_skylight.addon.spectra.photometry import quantity
 from spectral_skylight.addon.spectra.sensitivities import cmfs, observer
 from spectral_skylight.tests import faces
 from spectral_skylight.tests.buildings import shown
+from spectral_skylight.tests.lanes import newest
 from spectral_skylight.tests.transport import test_meter as closed_forms
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
@@ -104,6 +105,7 @@ def test_without_a_unit_it_says_relative(outdoors):
     )
 
 
+@newest
 def test_one_measured_value_makes_it_absolute(hdri, sky):
     scene = scene_under(hdri / "unsaid.exr")
     assert measured(scene, (0, 0, 1), told=Told(lux=54_321.0)).readings["illuminance"][
@@ -126,6 +128,7 @@ def test_one_measured_value_makes_it_absolute(hdri, sky):
     assert kept_lux(scene.world) is None
 
 
+@newest
 def test_it_looks_where_it_is_turned(hdri, sky):
     """A wall in the sun's way shades it; as a luminance meter it sees the sky and the floor."""
     scene = scene_under(hdri / "said.exr")
@@ -191,6 +194,7 @@ def black():
     return made
 
 
+@newest
 def test_a_rooms_daylight_factor_is_cie_171s(hdri, tmp_path):
     """A black room with an opening in its roof, 5.9: whatever the scene's own sky."""
     scene = scene_under(hdri / "unsaid.exr")
