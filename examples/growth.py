@@ -33,11 +33,11 @@ USUAL = {"houses": 64, "cuts": 1, "materials": 8, "lamps": 0, "width": 120, "hou
 """A town where nothing is many: 64 boxes in 8 paints, 120 x 80 pixels."""
 
 GROWING = {
-    "vertices": ("cuts", (1, 4, 16, 40)),
-    "objects": ("houses", (16, 64, 256, 1024)),
+    "vertices": ("cuts", (1, 4, 16)),
+    "objects": ("houses", (16, 64, 256)),
     "materials": ("materials", (4, 16, 64)),
     "lamps": ("lamps", (1, 4, 16)),
-    "pixels": ("width", (120, 240, 480, 960)),
+    "pixels": ("width", (120, 240, 480)),
     "hours": ("hours", (1, 2, 4)),
 }
 """What grows: of which number of `USUAL`, over these."""

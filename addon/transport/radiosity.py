@@ -81,6 +81,10 @@ class Radiosity:
         self.take(space.matter)
         self.E = np.zeros((len(self.patch), self.rho.shape[1]), np.float32)
         """(r, 16), irradiance / pi that `solve` found."""
+        self.first = self.E
+        """(r, 16), the part of it that has not bounced."""
+        self.direct = self.E
+        """(r, 16), the part of that which rays do not meet: of lamps and the sun."""
 
     def take(self, matter: Matter) -> None:
         """Let kinds reflect and send otherwise than before; what they let through stays."""
@@ -213,7 +217,7 @@ class Radiosity:
             E = new
             if change <= ENOUGH * max(float(E.sum()) / max(E.size, 1), 1e-30):
                 break
-        self.E = E
+        self.E, self.first, self.direct = E, first, direct
         table[self.row] = rho * E
         table[:fronts] += self.emission
         table[space.sky : space.lost] = sky

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...progress import Progress
-from ...spectra.sensitivities import observer
+from ...spectra.grid import WAVELENGTHS, WEIGHTS
+from ...spectra.sensitivities import cmfs, observer
 from ...spectra.working_spaces import DEFAULT_SPACE
 from ...transfer.matrices import Transfer, transfer
 from ...transport import directions
@@ -95,6 +96,12 @@ class SceneLight(Light):
     def matrix(self, name: str) -> NDArray[np.float64]:
         """As a `Light`'s."""
         return self.sources.matrix(self._known[name].reflectance)
+
+    @property
+    def to_XYZ(self) -> NDArray[np.float64]:
+        """From light in bands to XYZ, (3, 16)."""
+        bands = self.sources.bands
+        return bands.colours(np.ones(WAVELENGTHS.size), cmfs() * WEIGHTS)
 
     def reflectance(self, name: str) -> NDArray[np.float64]:
         """The reflectance (81,) of a material among those that `matter` was asked for."""

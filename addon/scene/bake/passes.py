@@ -28,7 +28,11 @@ BUDGET = 60e6, 4e6
 """Rays from all points, with and without `embreex`: some seconds. All points cast two passes."""
 
 SURE = 0.005
-"""A point is done when a pass has changed it by less, as a part of its light …"""
+"""A point is done when a pass has changed it by less, as a part of its light, where no tolerance
+allows more, …"""
+
+PER_DELTA_E = 0.045
+"""By which part light changes for a CIEDE2000 of 1, on white and on middle grey alike."""
 
 DIM = 0.02
 """… or of this part of the mean light."""
@@ -40,13 +44,15 @@ def collect(
     ends: Sequence[int],
     before: Sequence[NDArray] | None = None,
     slow: bool | None = False,
+    sure: float = SURE,
 ) -> Iterator[tuple[float, NDArray[np.float32] | None]]:
     """Cast passes of ``ends`` rays from a point each, yielding how far that is, 0 to 1, and after
     each pass the colours (n, 3) that light has made, else None.
 
     ``before``: what makes points sure of their light, colours (n, 3) and what of the sky is seen,
     as an earlier pass has found it, with which the first is compared. ``slow``:
-    without `embreex` also where it is installed; None: all points cast all passes.
+    without `embreex` also where it is installed; None: all points cast all passes. ``sure``: a
+    point is done when a pass has changed it by less, as a part of its light.
     """
     points = np.arange(len(collected.receivers), dtype=np.int32)
     left = BUDGET[_speed(bool(slow))]
@@ -63,7 +69,7 @@ def collect(
         now = [colours, collected.seen]
         yield shares[k + 1], colours
         if before is not None and slow is not None and k + 1 < len(ends):
-            points = _unsure(points, now, before, int(left) // ends[k + 1])
+            points = _unsure(points, now, before, int(left) // ends[k + 1], sure)
             if not len(points):
                 return
         before = now
@@ -88,10 +94,10 @@ def _speed(slow: bool) -> int:
     return 0 if rays.fast() and not slow else 1
 
 
-def _unsure(points, now, before, most) -> NDArray[np.int32]:
+def _unsure(points, now, before, most, sure) -> NDArray[np.int32]:
     """Those of some points whose light a pass has changed; if too many, those changed ``most``."""
     change = np.max([_change(*pair, points) for pair in zip(now, before, strict=True)], axis=0)
-    unsure = np.flatnonzero(change > SURE)
+    unsure = np.flatnonzero(change > sure)
     if len(unsure) > max(most, 0):
         unsure = np.sort(np.argsort(-change)[: max(most, 0)])
     return points[unsure]

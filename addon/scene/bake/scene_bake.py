@@ -100,6 +100,7 @@ def bake(
     tolerance: float = 0.1,
     changed_only: bool = True,
     slow: bool = False,
+    error: float | None = None,
 ) -> Generator[Progress, None, list[str]]:
     """Bake objects of the view layer (None: all `targets`), yielding `Progress`; returns lines.
 
@@ -119,6 +120,8 @@ def bake(
         Only what is stale is laid out anew; where anything is, all is lit.
     slow
         Without `embreex` also where it is installed.
+    error
+        CIEDE2000 that points cast no more rays to get under; None: a tenth of what is seen.
     """
     real, empties, lines = _real(targets() if objects is None else objects)
     own, others = instance_proxies.apart(real)
@@ -141,7 +144,7 @@ def bake(
                 seconds = estimate([*chosen, *later], rays, slow).all
                 yield Progress(0.0, f"about {seconds:.0f} s")
             first_only = number + 1 < len(stages)
-            how = session.How(rays, tolerance, slow, first_only)
+            how = session.How(rays, tolerance, slow, first_only, error)
             work = session.baking(chosen, light or light_of_scene.Light(), how)
             said, count = yield from mapped(work, partial(_part, number, len(stages)))
             lines += said

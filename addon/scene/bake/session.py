@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 
 from ....node_groups import baked_light
 from ...progress import Progress, aside, mapped
+from ...transport import left_out
 from ...transport.cells import Cells
 from ...transport.hits import Space
 from ...transport.radiosity import Radiosity
+from . import camera_share, geometry, layout, passes, patches, storage, surroundings
 from . import colours as coloured
-from . import geometry, layout, passes, patches, storage, surroundings
 from .collected import Collected, Shading
-from .light import Light
+from .light import Light, SceneLight
 from .receivers import Points, Receivers, Target
 from .shelf import Shelf, there
 
@@ -44,6 +45,8 @@ class _Session:
     """`Light.key` of the one that it was lit by last."""
     noise: float = 0.0
     """By which part the last pass of rays has changed the light, in the mean: less is left."""
+    left_out: str = ""
+    """What less light would be off by, in words."""
 
     @property
     def names(self) -> set[str]:
@@ -59,6 +62,12 @@ class How:
     tolerance: float
     slow: bool
     first_only: bool = False
+    error: float | None = None
+
+    @property
+    def sure(self) -> float:
+        """By which part a pass may change the light of a point that is done."""
+        return max(passes.SURE, passes.PER_DELTA_E * (self.error or 0.0))
 
 
 _last: list[_Session] = []
@@ -159,9 +168,12 @@ def baking(
         session = _Session(0, around.origin, around.materials, radiosity, collected)
         at = Progress(0.6, patches.BETWEEN)
         shading = yield from _shading(session, light, at)
+        if isinstance(light, SceneLight):
+            seen = camera_share.Eye.of(bpy.context.scene, around.origin)
+            session.left_out = yield from aside(at, _left_out, radiosity, light, seen)
         speed = slow if count is None else None
         last = before[0]
-        for done, colours in passes.collect(collected, shading, each[1:], before, speed):
+        for done, colours in passes.collect(collected, shading, each[1:], before, speed, how.sure):
             if colours is not None:
                 at = Progress(0.6 + 0.4 * done, points)
                 coloured.write((yield from aside(at, coloured.of, session.collected, colours)))
@@ -268,7 +280,14 @@ def account() -> str:
     collected, noise = _last[0].collected, _last[0].noise
     rays = max(map(len, collected.patterns), default=0)
     points = f"{len(collected.receivers):,} points of up to {rays:,} rays"
-    return f"{points}, noise under {max(100 * noise, 0.1):.1f} %"
+    found = f"{points}, noise under {max(100 * noise, 0.1):.1f} %"
+    return f"{found}; {_last[0].left_out}" if _last[0].left_out else found
+
+
+def _left_out(radiosity: Radiosity, light: SceneLight, eye: camera_share.Eye | None) -> str:
+    """What less light would be off by in the camera's picture, or everywhere without one."""
+    weight = camera_share.weights(radiosity.space, eye)
+    return left_out.left_out(radiosity, light.sky, light.to_XYZ, weight).line
 
 
 def lit_by() -> tuple[int, int]:

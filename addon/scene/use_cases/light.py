@@ -51,6 +51,7 @@ def bake(
     lines to read. Raises InputError as `analyzed` does.
     """
     shining = yield from shining_on(scene, settings)
+    options = {"error": settings.tolerance, **options}
     return (yield from _baking(scene, shining, objects, **options))
 
 
@@ -92,7 +93,8 @@ def all_light(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress,
     lines: list[str] = []
     if not any(map(scene_bake.is_waiting, old)):
         lines = yield from scene_bake.relighting(shining)
-    return lines + (yield from _baking(scene, shining, old, changed_only=False))
+    options = {"changed_only": False, "error": settings.tolerance}
+    return lines + (yield from _baking(scene, shining, old, **options))
 
 
 def shining_on(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress, None, SceneLight]:
