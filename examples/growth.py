@@ -35,10 +35,10 @@ USUAL = {"houses": 64, "cuts": 1, "materials": 8, "lamps": 0, "width": 120, "hou
 GROWING = {
     "vertices": ("cuts", (1, 4, 16)),
     "objects": ("houses", (16, 64, 256)),
-    "materials": ("materials", (4, 16, 64)),
-    "lamps": ("lamps", (1, 4, 16)),
     "pixels": ("width", (120, 240, 480)),
+    "materials": ("materials", (4, 16, 64)),
     "hours": ("hours", (1, 2, 4)),
+    "lamps": ("lamps", (1, 4, 16)),
 }
 """What grows: of which number of `USUAL`, over these."""
 
