@@ -106,7 +106,7 @@ GROUNDS: Choices = {
 """Where light from below comes from."""
 
 ENGINES: Choices = {
-    "eevee": Entry("Eevee", "Fast"),
+    "eevee": Entry("Eevee", "Fast, as in the viewport"),
     "cycles": Entry("Cycles", "Exact"),
 }
 
@@ -144,7 +144,7 @@ QUANTITIES: Choices = {
 (D65) illuminance. See `spectra.photometry`."""
 
 WEATHERS: Choices = {
-    "clear": Entry("Clear", "Clear air, with the haze that is set"),
+    "clear": Entry("Clear Sky", "Clear air, with the haze that is set"),
     "cie": Entry("CIE Sky", "A standard general sky of the CIE: how bright each direction is"),
     "epw": Entry("EPW File", "The measured sun and sky of one hour of a weather file"),
 }

@@ -23,7 +23,7 @@ class SKYLIGHT_OT_animate(operator.Long, bpy.types.Operator):
         ),
     )
     start: bpy.props.FloatProperty(
-        name="From",
+        name="Start",
         description="Local time in hours. Of a year, the time of each day in winter time",
         min=0.0,
         max=24.0,
@@ -32,7 +32,7 @@ class SKYLIGHT_OT_animate(operator.Long, bpy.types.Operator):
         default=6.0,
     )
     end: bpy.props.FloatProperty(
-        name="To",
+        name="End",
         description="Local time in hours, later than the first",
         min=0.0,
         max=24.0,

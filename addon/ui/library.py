@@ -185,8 +185,8 @@ class SKYLIGHT_PT_library(panels.Child, bpy.types.Panel):
 
 
 def _list(layout, context, own) -> None:
+    layout.prop(own, "search", text="", icon="VIEWZOOM")
     row = layout.row(align=True)
-    row.prop(own, "search", text="", icon="VIEWZOOM")
     row.prop(own, "order", text="")
     row.operator("skylight.refresh_library", text="", icon="FILE_REFRESH")
     lit = library_state.under_sky is not None

@@ -15,6 +15,7 @@ from ..errors import InputError
 from ..progress import Progress, a_while
 from . import false_colour, follow, last_guard, operator, panels, properties, under_way
 from .labels import told
+from .translation import translated
 
 PLACES = (
     ("CURSOR", "3D Cursor", "At the 3D cursor, looking along its Z axis"),
@@ -130,7 +131,7 @@ class SKYLIGHT_PT_meter(panels.Child, bpy.types.Panel):
         scene = context.scene
         layout.row().prop(scene.skylight_meter, "place", expand=True)
         row = layout.row(align=True)
-        row.operator("skylight.measure", text="Measure")
+        row.operator("skylight.measure", text=translated("Measure"), translate=False)
         row.prop(scene.skylight_meter, "live", toggle=True)
         column = layout.column(align=True)
         for line in _read.get(scene.name, ()):

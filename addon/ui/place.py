@@ -93,7 +93,7 @@ class SkylightPlace(bpy.types.PropertyGroup):
     month: bpy.props.IntProperty(name="Month", description="Month", min=1, max=12, default=6)
     day: bpy.props.IntProperty(name="Day", description="Day", min=1, max=31, default=21)
     time: bpy.props.FloatProperty(
-        name="Time",
+        name="Local Time",
         description="Local time in hours. 14.5 is half past two in the afternoon",
         min=0.0,
         max=23.9999,

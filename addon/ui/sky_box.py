@@ -17,7 +17,7 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     box = layout.box()
     world = context.scene.world
     if not is_chosen(world):
-        box.label(text="Sky", icon="WORLD")
+        box.label(text=translated("Sky"), icon="WORLD", translate=False)
         column = box.column(align=True)
         column.operator("skylight.load_sky", text="Load Sky HDRI...", icon="FILEBROWSER")
         column.operator("skylight.use_world", text="Use My World")
@@ -35,7 +35,10 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     if picture:
         row.template_icon(icon_value=picture, scale=2.4)
     column = row.column(align=True)
-    column.label(text=translated(f"Sky: {seen.name}"), icon="NONE" if picture else "WORLD")
+    column.label(
+        text=translated(f"Sky: {seen.name.removeprefix('Sky ')}"),
+        icon="NONE" if picture else "WORLD",
+    )
     line, details = panel_text.of_sky(world, seen)
     column.label(text=translated(line))
     if panel_text.is_other_sky(world, seen):
