@@ -8,7 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
@@ -51,7 +51,7 @@ def prepared_files(study: Study, scenes: tuple[SceneFile, ...], program: str) ->
     ]
     names = file_names(["_".join(part) for part, _ in parts])
     for name, (_, (scene, sky, variant)) in zip(names, parts, strict=True):
-        simulated = [study.sky_width, study.quality] if sky.file is None else []
+        simulated = [study.sky_width, study.quality] if sky.sun is not None else []
         decides = [scene.content, scene.scene, sky.content, sky.north, *simulated]
         key = content_hash([*decides, variant.content, study.settings, program])
         yield Prepared(f"prepared/{name}.{key[:8]}.blend", name, scene, sky, variant, key)
@@ -64,7 +64,7 @@ def tasks(study: Study, scenes: tuple[SceneFile, ...], program: str) -> Iterator
     for prepared in prepared_files(study, scenes, program):
         scene = prepared.scene
         for camera, file_name in zip(scene.cameras, camera_names[scene.path], strict=True):
-            for frame in study.frames or (scene.frame,):
+            for frame in frames_of(study, scene):
                 what = [camera, frame, scene.engine, study.samples, scene.resolution]
                 decides = f"{prepared.key} {json.dumps(what)}"
                 yield Task(
@@ -80,6 +80,13 @@ def tasks(study: Study, scenes: tuple[SceneFile, ...], program: str) -> Iterator
                     key=hashlib.sha256(decides.encode()).hexdigest()[:24],
                 )
                 index += 1
+
+
+def frames_of(study: Study, scene: SceneFile) -> Sequence[int]:
+    """Return the frames of a scene that a study asks for."""
+    if study.all_frames:
+        return range(scene.span[0], scene.span[1] + 1)
+    return study.frames or (scene.frame,)
 
 
 def write_plan(study: Study, scenes: tuple[SceneFile, ...], program: str) -> Path:
@@ -109,7 +116,7 @@ def write_plan(study: Study, scenes: tuple[SceneFile, ...], program: str) -> Pat
 
 
 def _count(study: Study, scenes: tuple[SceneFile, ...]) -> int:
-    pictures = sum(len(scene.cameras) for scene in scenes) * len(study.frames or (0,))
+    pictures = sum(len(scene.cameras) * len(frames_of(study, scene)) for scene in scenes)
     return pictures * len(study.skies) * len(study.variants)
 
 

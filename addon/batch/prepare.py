@@ -16,6 +16,7 @@ from typing import Any
 
 from ..progress import run
 from ..scene.output import plan_data
+from ..sky.light import SkyLight
 from ..whole_files import write_json
 from .carry import carry
 from .file_names import file_names
@@ -68,9 +69,10 @@ def prepare(
     return Preparation(skies, len(open_), len(wanted) - len(open_))
 
 
-def _sky_file(study: Study, sky: StudySky) -> Path:
-    """Return the file that a sky is read from; it is simulated where it is none."""
-    if sky.file is not None:
+def _sky_file(study: Study, sky: StudySky) -> Path | None:
+    """Return the file that a sky is read from; it is simulated where it is none. None of a scene's
+    own."""
+    if sky.file is not None or sky.sun is None:
         return sky.file
     from ..sky.clear_sky import SCALE, header_of, picture
     from ..sky.panorama import write_panorama
@@ -80,7 +82,6 @@ def _sky_file(study: Study, sky: StudySky) -> Path:
     name = file_names([sky.name])[0]
     path = study.out / FOLDER / f"{name}.{sky.content[:8]}.{study.quality}-{study.sky_width}.exr"
     if not path.is_file():
-        assert sky.sun is not None
         elevation, azimuth = sky.sun
         light = simulate(elevation, quality=study.quality)
         shines = elevation > 0.0
@@ -89,14 +90,15 @@ def _sky_file(study: Study, sky: StudySky) -> Path:
     return path
 
 
-def _make(study: Study, wanted: Prepared, sky: Path) -> None:
+def _make(study: Study, wanted: Prepared, sky: Path | None) -> None:
     """Write one prepared file, then its record."""
     import bpy
 
     from ..scene import use_cases
     from ..scene.files import blend_file
+    from ..scene.outcome import Outcome
     from ..scene.world import hdri as worlds
-    from ..scene.world.settings import Settings
+    from ..scene.world.settings import Settings, stored
     from ..transfer.white import AUTO
 
     scene = blend_file.open_scene(wanted.scene.path)
@@ -108,20 +110,24 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
     if wanted.sky.sun is not None:
         settings = replace(settings, sun_elevation=wanted.sky.sun[0])
     kept = use_cases.given_before(use_cases.in_scene(scene))
-    if wanted.sky.north is not None:
-        scene.world = None  # or one that shows this sky, turned as the scene wants it, would stay
-    world = worlds.set_sky(scene, sky)
-    if wanted.sky.north is not None:
-        _turn(world, wanted.sky.north)
     notes = []
+    if sky is None:
+        settings = stored(scene.world) or settings
+    else:
+        if wanted.sky.north is not None:
+            scene.world = None  # or one that shows this sky, turned as the scene wants it, stays
+        world = worlds.set_sky(scene, sky)
+        if wanted.sky.north is not None:
+            _turn(world, wanted.sky.north)
     if estimated:
         settings, line = use_cases.with_estimated_white(world, settings)
         notes.append(line)
     named = {blend_file.material(name): one for name, one in wanted.variant.given.items()}
     given = {**kept, **use_cases.resolved(named)}
-    found = run(use_cases.making_spectral_with_all_light(scene, given, settings))
+    found = Outcome()
+    if sky is not None or named:  # else it is as it is
+        found = run(use_cases.making_spectral_with_all_light(scene, given, settings))
     light = found.light
-    assert light is not None  # every plan has a sky
     elsewhere = [line for image in bpy.data.images if (line := carry(image, study.out / FOLDER))]
     path = plan_data.inside(study.out, wanted.blend, ".blend")
     record = {
@@ -130,14 +136,20 @@ def _make(study: Study, wanted: Prepared, sky: Path) -> None:
         "scene": wanted.scene.path.stem,
         "sky": wanted.sky.name,
         "variant": wanted.variant.name,
-        "sun": wanted.sky.sun or (light.sun and (light.sun.elevation, light.sun.azimuth)),
+        "sun": wanted.sky.sun or _sun(light),
         "blender": bpy.app.version_string,
         "materials": [_material(result) for result in found.results],
-        "notes": [*notes, *light.notes, *elsewhere],
+        "notes": [*notes, *(light.notes if light else ()), *elsewhere],
         "elsewhere": elsewhere,
     }
     write_json(path.with_suffix(".json"), record)  # first: what has no record is nobody's
     blend_file.save(path)
+
+
+def _sun(light: SkyLight | None) -> tuple[float, float] | None:
+    """Where the sun of an HDRI stands, elevation and azimuth [degrees]."""
+    sun = None if light is None else light.sun
+    return None if sun is None else (sun.elevation, sun.azimuth)
 
 
 def _material(result: Any) -> dict[str, Any]:

@@ -25,6 +25,8 @@ class SceneFile:
     frame: int
     engine: str
     resolution: tuple[int, int]
+    span: tuple[int, int] = (1, 1)
+    """Its first and its last frame."""
 
 
 def look_into(study: Study) -> tuple[SceneFile, ...]:
@@ -86,6 +88,7 @@ def _look(study: Study, path: Path) -> SceneFile:
         frame=scene.frame_current,
         engine=engine,
         resolution=study.resolution or render_task.size(scene),
+        span=(scene.frame_start, scene.frame_end),
     )
 
 

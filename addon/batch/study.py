@@ -34,12 +34,12 @@ KEYS = {
     "out": "folder for everything that the study writes",
     "scenes": "blend files",
     "cameras": 'names, or "all"',
-    "skies": "HDRI files, or tables",
+    "skies": "HDRI files, or tables, or as-is",
     "variants": "tables with name and assign",
     "engine": listed(ENGINES),
     "samples": "of each pixel",
     "resolution": "[width, height]",
-    "frames": "numbers; the scene's current one",
+    "frames": "numbers, or all of the scene; its current one",
     "white": "[R, G, B] or auto, as of apply",
     "sun": "whether the sun of each HDRI shines; true",
     "ground": listed(GROUNDS),
@@ -58,6 +58,9 @@ def key_of(parameter: str) -> str:
     return '"times"' if parameter == "time" else f'"{parameter}"'
 
 
+AS_IS = "as-is"
+"""The sky that each scene has, which may move: the film of an animated file."""
+
 SKY_KEYS = ("file", "name", "date", "times", "latitude", "longitude", "timezone", "north")
 VARIANT_KEYS = ("name", "assign")
 LAST_FRAME = 1048574
@@ -66,7 +69,7 @@ LAST_FRAME = 1048574
 
 @dataclass(frozen=True)
 class StudySky:
-    """A sky file, or a sun to simulate one for.
+    """A sky file, or a sun to simulate one for; without both the scene's own, as it is.
 
     ``north`` [degrees]: where true north is in the scene, clockwise from +Y seen from above; None
     for a file that stands as the scene's World, or an unturned one, has it.
@@ -109,6 +112,8 @@ class Study:
     sky_width: int
     settings: dict[str, Any] = field(default_factory=dict)
     """Options of `scene.world.settings.Settings`."""
+    all_frames: bool = False
+    """Whether all of each scene's frames are rendered."""
 
     @property
     def plan(self) -> Path:
@@ -130,7 +135,9 @@ def read_study(path: str | Path) -> Study:
     resolution = table.items("resolution", (int,), "give [width, height]", None)
     if resolution and (len(resolution) != 2 or not all(1 <= n <= 65536 for n in resolution)):
         table.wrong("resolution", "give [width, height], each 1 to 65536")
-    frames = table.items("frames", (int,), "give whole numbers", None)
+    frames = table.items("frames", (int, str), "give whole numbers, or all", None)
+    every = frames == ["all"]
+    frames = None if every else frames
     if frames and not all(type(n) is int and abs(n) <= LAST_FRAME for n in frames):
         table.wrong("frames", f"give whole numbers, up to {LAST_FRAME}")
     study = Study(
@@ -147,6 +154,7 @@ def read_study(path: str | Path) -> Study:
         quality=table.choice("quality", QUALITIES, default(QUALITIES)),
         sky_width=table.whole("sky_width", 8, 8192, 1024),
         settings=_settings(table),
+        all_frames=every,
     )
     _once(table, "scenes", [str(scene) for scene in study.scenes])
     _check_folder(study.out)
@@ -187,6 +195,9 @@ def _skies(table: Table, here: Path) -> tuple[StudySky, ...]:
     found = table.items("skies", (str, dict), "give HDRI files, or tables with date and times")
     skies: list[StudySky] = []
     for number, value in enumerate(found, 1):
+        if value == AS_IS:
+            skies.append(StudySky(AS_IS, AS_IS, None))
+            continue
         values = {"file": value} if isinstance(value, str) else value
         skies += _sky(Table(f"{table.place}, skies {number}", values, SKY_KEYS), here)
     return tuple(skies)

@@ -3,6 +3,8 @@
 import bpy
 import pytest
 
+from spectral_skylight.addon.batch.plan import prepared_files, tasks
+from spectral_skylight.addon.batch.prepare import prepare
 from spectral_skylight.addon.batch.scenes import look_into
 from spectral_skylight.addon.batch.study import read_study
 from spectral_skylight.addon.errors import InputError
@@ -85,3 +87,29 @@ def test_mistakes_name_file_and_cure(folder):
         said.append(str(caught.value))
         assert part in said[-1] and "\n" not in said[-1], said[-1]
     assert "9.3" in said[3] or "newer" in said[3].removeprefix(str(folder / "newer.blend")), said[3]
+
+
+def test_a_film_is_of_the_scenes_own_sky_and_frames(folder):
+    """As `animate` leaves a file: prepared, it is as it was."""
+    path = folder / "film.blend"
+    write_scene(path, frame_start=3, frame_end=6)
+    world = bpy.context.scene.world
+    world["spectral_skylight_test"] = 1.0
+    world.keyframe_insert('["spectral_skylight_test"]', frame=3)
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+    study = read_study(
+        write_study(folder, scenes=["film.blend"], skies=["as-is"], frames="all", variants=None)
+    )
+    scenes = look_into(study)
+    assert [task.frame for task in tasks(study, scenes, "p")] == [3, 4, 5, 6]
+    prepare(study, scenes, "p")
+    made = next(prepared_files(study, scenes, "p")).blend
+    bpy.ops.wm.open_mainfile(filepath=str(study.out / made))
+    assert bpy.context.scene.world.animation_data.action is not None
+    assert bpy.context.scene.world.name == world_name(path)
+
+
+def world_name(path):
+    """The World of a file's scene."""
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    return bpy.context.scene.world.name
