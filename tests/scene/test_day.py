@@ -97,7 +97,7 @@ def test_colours_are_those_of_the_sky_of_the_moment(day, minute):
     elevation, _ = at(scene, minute)
     own = animate._new_world(scene, OPEN)
     given = use_cases.given_before(materials)
-    true = animate._moment(scene, own, PLACE, elevation, given, OPEN)
+    true = run(animate.computing(scene, own, PLACE, elevation, given, OPEN))
     own.use_fake_user = False
     bpy.data.worlds.remove(own)
     for k, material in enumerate(materials):
@@ -117,13 +117,13 @@ def test_what_is_seen_is_the_sky_of_the_moment(day):
     sky = hdri.sky_of(scene.world)
     seen, _ = capture.bake(scene.world, hdri.WorldSky(sky.name))
     height = len(seen)
-    true = picture(animate.over(PLACE, elevation), height, azimuth, False, observer() * SCALE)
+    true = picture(run(animate.over(PLACE, elevation)), height, azimuth, False, observer() * SCALE)
     row, column = np.unravel_index(np.argmax(seen[..., 0]), seen.shape[:2])
     assert row == pytest.approx((90.0 - elevation) / 180.0 * height, abs=1.5)
     assert column == pytest.approx((90.0 + azimuth) / 360.0 % 1.0 * 2 * height, abs=1.5)
     solid = 2 * (np.pi / height) ** 2 * np.cos(np.radians(elevation)) / 2
     disc = (seen - true)[row - 3 : row + 4, column - 3 : column + 4].sum(axis=(0, 1)) * solid
-    expected = animate.over(PLACE, elevation).seen_by(observer() * SCALE).direct
+    expected = run(animate.over(PLACE, elevation)).seen_by(observer() * SCALE).direct
     assert disc == pytest.approx(expected, rel=0.02)
     rest = np.ones(seen.shape[:2], bool)
     rest[row - 3 : row + 4, column - 3 : column + 4] = False
@@ -181,6 +181,22 @@ def test_bad_input_changes_nothing(day):
         with pytest.raises(InputError, match=line):
             run(use_cases.animate(scene, animate.Day(**{**vars(DAY), **change}), OPEN))
         assert scene.world == world and tags.DAY in world
+
+
+def test_another_material_moves_too_and_nothing_of_the_first_day_stays(day):
+    scene, materials, _ = day
+    names, rho = colorchecker()
+    bpy.ops.mesh.primitive_plane_add(location=(0.0, 9.0, 0.0))
+    material = bpy.data.materials.new("New")
+    if material.node_tree is None:
+        material.use_nodes = True
+    bpy.context.object.data.materials.append(material)
+    use_cases.make_spectral(scene, {material: Assignment(names[2], rho[2])}, OPEN)
+    moving = [m.node_tree.animation_data.drivers for m in (*materials, material)]
+    assert len({len(each) for each in moving}) == 1
+    targets = {d.driver.variables[0].targets[0].id for each in moving for d in each}
+    assert targets == {scene.world}
+    assert (scene.frame_start, scene.frame_end) == (1, 121)
 
 
 def test_remove_all_removes_it_whole(day):

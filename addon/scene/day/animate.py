@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ... import tags
 from ...choices import OPEN
 from ...errors import InputError, parameter
-from ...progress import Progress, mapped
+from ...progress import Progress, aside
 from ...sky.sun_course import Course, through_day, through_year
 from .. import plan as planning
 from ..lights import lighting
@@ -101,15 +102,14 @@ def animating(
     before = scene.world
     if before is not None:
         kept, before.use_fake_user = before.use_fake_user, True
-    world = _new_world(scene, settings)
+    world, span = _new_world(scene, settings), _own_range(scene, before)
     done = False
     try:
-        steps = find(low, high, lambda e: _moment(scene, world, day.place, e, given, settings))
-        found = yield from mapped(steps, lambda step: step)
+        steps = find(low, high, lambda e: computing(scene, world, day.place, e, given, settings))
+        found = yield from steps
         yield Progress(0.9, "keyframes")
         _write(scene, world, found)
         frames = np.array([scene.frame_start, scene.frame_start + day.frames - 1])
-        span = _own_range(scene, before)
         day_world.install(world, course, found, frames, day.place.north)
         line = _line(course, found, day)
         day_world.keep(world, day=day.plain(), range=span, line=line, keys=len(found.keys))
@@ -156,30 +156,35 @@ def _new_world(scene: bpy.types.Scene, settings: Settings) -> bpy.types.World:
         scene.world = before
 
 
-def over(place: SkyPlace, elevation: float) -> SimulatedSky:
+def over(place: SkyPlace, elevation: float) -> Generator[Progress, None, SimulatedSky]:
     """Simulate the clear sky of a place for an elevation [degrees]; raises as `simulate`."""
     from ...sky.atmosphere import Atmosphere
-    from ...sky.simulation import simulate
+    from ...sky.simulation import simulating
 
-    return simulate(elevation, Atmosphere(haze=place.haze, ozone=place.ozone, ground=place.ground))
+    air = Atmosphere(haze=place.haze, ozone=place.ozone, ground=place.ground)
+    return (yield from simulating(elevation, air))
 
 
-def _moment(
+def computing(
     scene: bpy.types.Scene,
     world: bpy.types.World,
     place: SkyPlace,
     elevation: float,
     given: Assignments,
     settings: Settings,
-) -> Moment:
+) -> Generator[Progress, None, Moment]:
     """Simulate a sky, and plan what materials show under it, in a frame with the sun over +x."""
     from ...sky.clear_sky import SCALE, header_of, picture
     from ...spectra.sensitivities import observer
 
-    sky, view = over(place, elevation), (90.0, elevation > 0.0)
-    rgb = picture(sky, HEIGHT, *view, observer() * SCALE)
-    name = f"Sky of {place.date}"
-    image = sky_image.simulated(name, rgb, header_of(sky, *view), {}, elevation)
+    sky = yield from over(place, elevation)
+    view = 90.0, elevation > 0.0
+
+    def drawn() -> tuple[NDArray[np.float32], dict[str, Any]]:
+        return picture(sky, HEIGHT, *view, observer() * SCALE), header_of(sky, *view)
+
+    rgb, header = yield from aside(Progress(0.0, "sky"), drawn)
+    image = sky_image.simulated(f"Sky of {place.date}", rgb, header, {}, elevation)
     texture = world.node_tree.nodes[hdri.sky_of(world).texture]
     old, texture.image = texture.image, image
     if old is not None and old.users == 0:
@@ -198,6 +203,7 @@ def _write(scene: bpy.types.Scene, world: bpy.types.World, found: KeySkies) -> N
     again the one with most lights, which the shader is left to hold.
     """
     scene.world = world
+    day_world.stop_unused()
 
     def parts(key: Moment) -> tuple[bool, bool, float]:
         features = key.plan.lights.features

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....node_groups import day_sky
-from ...progress import Progress
+from ...progress import Progress, mapped
 from ...sky.clear_sky import SCALE, Sky
 from ...sky.light import FACES
 from ...sky.polynomial import evaluate_polynomial
@@ -181,34 +181,37 @@ class KeySkies:
 
 
 def find(
-    low: float, high: float, at: Callable[[float], Moment], within: float = WITHIN
+    low: float,
+    high: float,
+    at: Callable[[float], Generator[Progress, None, Moment]],
+    within: float = WITHIN,
 ) -> Generator[Progress, None, KeySkies]:
     """Find the fewest moments, by halving, that stand for all from a lowest elevation to a highest.
 
-    Yields after each that is computed.
+    ``at`` computes one of an elevation [degrees].
     """
     known: dict[float, Moment] = {}
     marks = sorted({low, high, *(e for e in (-EDGE, EDGE) if low < e < high)})
     parts = [pair for pair in pairwise(marks) if pair != (-EDGE, EDGE)]
     keys, errors, sky_errors = set(marks), [0.0], [0.0]
 
-    def moment(elevation: float) -> Moment:
+    def computed(elevation: float, done: float) -> Generator[Progress, None, Moment]:
         if elevation not in known:
-            known[elevation] = at(elevation)
+            step = Progress(done, f"sun at {elevation:.1f}°, {len(keys)} key skies")
+            known[elevation] = yield from mapped(at(elevation), lambda _: step)
         return known[elevation]
 
     for mark in marks:
-        moment(mark)
-        yield Progress(0.0, f"sun at {mark:.1f}°")
+        yield from computed(mark, 0.0)
     while parts:
         first, last = parts.pop(0)
         middle = 0.5 * (first + last)
-        true = moment(middle)
+        left = sum(b - a for a, b in [(first, last), *parts])
+        done = 0.9 * max(1.0 - left / max(high - low, 1e-9), 0.0)
+        true = yield from computed(middle, done)
         level = _between_levels(known, middle)
-        look = mixed(moment(first).look, moment(last).look, 0.5)
+        look = mixed(known[first].look, known[last].look, 0.5)
         surface, sky = _errors(look, level / true.level, true)
-        done = 1.0 - sum(b - a for a, b in parts) / max(high - low, 1e-9)
-        yield Progress(0.9 * max(done, 0.0), f"sun at {middle:.1f}°, {len(keys)} key skies")
         too_far = max(surface, sky) > within and last - first > 2.0 * LEAST and len(keys) < MOST
         if too_far:
             keys.add(middle)
