@@ -7,6 +7,7 @@ people.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +28,10 @@ STOPS: NDArray[np.float64] = (
 """(33, 3) sRGB at even steps; between them linear, within 0.007 of the whole table."""
 
 ROUND = 1.0, 2.0, 5.0
-"""What the numbers of a scale begin with."""
+"""What the numbers of a scale begin with …"""
+
+ENDS = 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0
+"""… and its last one."""
 
 WIDE = 50.0
 """From how many times the least amount on a scale is logarithmic."""
@@ -81,15 +85,15 @@ def scale_of(amounts: ArrayLike) -> Scale:
         return Scale(0.0, 1.0)
     low, high = np.percentile(known, (1.0, 99.0))
     if high > WIDE * low:
-        low, high = rounded(low, down=True), rounded(high)
+        low, high = rounded(low, down=True), rounded(high, of=ENDS)
         return Scale(max(low, 1e-4 * high), high, logarithmic=True)
-    return Scale(0.0, rounded(high))
+    return Scale(0.0, rounded(high, of=ENDS))
 
 
-def rounded(amount: float, down: bool = False) -> float:
-    """Return the next number that begins with one of `ROUND` above an amount, or below it."""
+def rounded(amount: float, down: bool = False, of: Sequence[float] = ROUND) -> float:
+    """Return the next number that begins with one ``of`` some above an amount, or below it."""
     size = 10.0 ** np.floor(np.log10(amount))
-    around = [first * size for first in (*ROUND, 10.0)]
+    around = [first * size for first in (*of, 10.0)]
     if down:
         return float(max(each for each in around if each <= amount * (1.0 + 1e-9)))
     return float(min(each for each in around if each >= amount * (1.0 - 1e-9)))

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .canvas import Canvas
-from .colour_maps import Range
+from .false_colour import colours, scale_of, text
 from .theme import LIGHT, Theme
 
 PLAN = 560.0
@@ -39,24 +39,25 @@ def light_map(
     canvas.text(MARGIN, 30.0, title, _TEXT + 3.0, theme.ink)
     x0, y0 = MARGIN, TITLE
     known = np.isfinite(values)
-    span = Range.of(values)
-    colours = np.where(known[..., None], span.colours(values), theme.cell)
-    canvas.image(colours[::-1], x0, y0, x0 + width, y0 + height)
-    steps = span.steps()
-    for value in steps:
-        for line in _crossings(span.share(values), float(span.share(value))):
+    span = scale_of(values)
+    places = np.where(known, span.place(np.nan_to_num(values)), np.nan)
+    shown = np.where(known[..., None], colours(np.nan_to_num(places)), theme.cell)
+    canvas.image(shown[::-1], x0, y0, x0 + width, y0 + height)
+    within = [value for value in span.levels if span.low < value < span.high]
+    for value in within:
+        for line in _crossings(places, float(span.place(value))):
             x = x0 + (line[:, 0] + 0.5) / columns * width
             y = y0 + height - (line[:, 1] + 0.5) / rows * height
             canvas.line(x, y, theme.paper, 1.6, opacity=0.85)
     canvas.frame(x0, y0, x0 + width, y0 + height, theme.faint, 1.0)
     left, bottom = x0 + width + 22.0, y0 + min(max(height, 200.0), 320.0)
-    band = Range(0.0, 1.0).colours(np.linspace(1.0, 0.0, 128)[:, None])
+    band = colours(np.linspace(1.0, 0.0, 128))[:, None]
     canvas.image(band, left, y0 + 18.0, left + 22.0, bottom)
     canvas.text(left, y0 + 8.0, unit, _TEXT - 2.0, theme.faint)
-    for value in steps:
-        y = bottom - float(span.share(value)) * (bottom - y0 - 18.0)
+    for value in span.levels:
+        y = bottom - float(span.place(value)) * (bottom - y0 - 18.0)
         canvas.line([left + 22.0, left + 28.0], [y, y], theme.faint, 1.2)
-        canvas.text(left + 33.0, y + 6.0, f"{value:,.10g}", _TEXT - 2.0, theme.ink)
+        canvas.text(left + 33.0, y + 6.0, text(value), _TEXT - 2.0, theme.ink)
     return canvas.pixels
 
 

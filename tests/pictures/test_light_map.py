@@ -1,42 +1,22 @@
-"""Maps of values: the order of the colors, the scale's steps, and where the lines run."""
+"""Maps of values: the order of the colors, and where the lines run."""
 
 import numpy as np
-import pytest
 
-from spectral_skylight.addon.pictures.colour_maps import Range
+from spectral_skylight.addon.pictures.false_colour import colours, scale_of
 from spectral_skylight.addon.pictures.light_map import _crossings, light_map
 from spectral_skylight.addon.spectra.working_spaces import LUMINANCE, from_srgb
 
 
 def test_brighter_is_more_also_in_gray_and_for_the_color_blind():
-    colours = from_srgb(Range(0.0, 1.0).colours(np.linspace(0.0, 1.0, 65)))
-    assert (np.diff(colours @ LUMINANCE) > 0.0).all()
+    shown = from_srgb(colours(np.linspace(0.0, 1.0, 65)))
+    assert (np.diff(shown @ LUMINANCE) > 0.0).all()
     # Without red cones (F. Viénot, H. Brettel and J. Mollon 1999, DOI
     # 10.1002/(SICI)1520-6378(199908)24:4<243::AID-COL5>3.0.CO;2-3), two colors are left.
     protan = (
-        colours
+        shown
         @ np.array([[0.11238, 0.88762, 0.0], [0.11238, 0.88762, 0.0], [0.00401, -0.00401, 1.0]]).T
     )
     assert (np.diff(protan @ LUMINANCE) > 0.0).all()
-
-
-@pytest.mark.parametrize(
-    ("values", "steps"),
-    [
-        ([40.0, 345.0], [0, 50, 100, 150, 200, 250, 300]),
-        ([0.0, 1.0], [0, 0.2, 0.4, 0.6, 0.8, 1.0]),
-        ([60.0, 50_000.0], [100, 300, 1000, 3000, 10_000, 30_000]),
-        ([10.0, 400.0], [10, 20, 50, 100, 200]),
-        ([0.0, 0.0], [0, 0.2, 0.4, 0.6, 0.8, 1.0]),
-        ([np.nan], [0, 0.2, 0.4, 0.6, 0.8, 1.0]),
-    ],
-)
-def test_steps_are_round(values, steps):
-    span = Range.of(values)
-    np.testing.assert_allclose(span.steps(), steps)
-    assert span.share(span.high) == pytest.approx(1.0) and span.share(span.low) == pytest.approx(
-        0.0
-    )
 
 
 def test_lines_run_where_the_values_are():
@@ -53,6 +33,6 @@ def test_the_picture_has_the_values_colors_and_is_as_wide_as_the_plan():
     height, width, _ = picture.shape
     assert height > width and picture.dtype == np.uint8
     bottom_left, top_right = picture[-30, 40], picture[60, 16 + 280 - 30]
-    colours = Range(0.0, 400.0).colours([100.0, 400.0])
-    np.testing.assert_allclose(bottom_left, 255 * colours[0], atol=1.0)
-    np.testing.assert_allclose(top_right, 255 * colours[1], atol=1.0)
+    shown = colours(scale_of(values).place([100.0, 400.0]))
+    np.testing.assert_allclose(bottom_left, 255 * shown[0], atol=1.0)
+    np.testing.assert_allclose(top_right, 255 * shown[1], atol=1.0)
