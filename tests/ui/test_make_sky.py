@@ -37,6 +37,15 @@ def light_of(scene):
     return panorama.light_of(scene.world, observer())
 
 
+@pytest.fixture
+def quick(monkeypatch):
+    """A reference that takes no minute, and a preview that takes no second, small."""
+    for name, ways in (("preview", 64), ("reference", 128)):
+        rough = simulation.Quality(once=(24, 9), more=(8, 5), ways=ways, shells=20)
+        monkeypatch.setitem(simulation.QUALITIES, name, rough)
+    monkeypatch.setattr(simulated_sky, "HEIGHT", 64)
+
+
 def test_the_sky_of_a_summer_noon(scene, brick):
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     numbers = scene.world.skylight  # of the HDRI before: they say nothing about this sky
@@ -181,7 +190,7 @@ def test_what_is_a_number_can_be_keyed(scene):
     assert place.sky_place(chosen).time == "15:00:00"
 
 
-def test_an_overcast_sky_by_the_panel(scene):
+def test_an_overcast_sky_by_the_panel(scene, quick):
     choose(scene, weather="cie", cie="1")
     bpy.ops.skylight.make_sky()
     light = light_of(scene)
@@ -194,7 +203,7 @@ def test_an_overcast_sky_by_the_panel(scene):
     assert "Date and Place" in text and "Sun Paths" in text
 
 
-def test_the_hour_of_a_weather_file_by_the_panel(scene, tmp_path):
+def test_the_hour_of_a_weather_file_by_the_panel(scene, tmp_path, quick):
     path = epw(tmp_path / "a.epw", [row(15, 700, 120)])
     chosen = scene.skylight_place
     choose(scene, weather="epw", time=14.5, city="Berlin")
@@ -212,7 +221,7 @@ def test_the_hour_of_a_weather_file_by_the_panel(scene, tmp_path):
     assert "has no hour 4" in stage.error_of(bpy.ops.skylight.make_sky)
 
 
-def test_the_suns_paths_are_in_the_panel(scene):
+def test_the_suns_paths_are_in_the_panel(scene, quick):
     choose(scene, city="Berlin")
     bpy.ops.skylight.make_sky()
     preview_cache.clear()
@@ -227,14 +236,6 @@ def test_the_suns_paths_are_in_the_panel(scene):
     preview_cache.draw_wanted()
     assert "Date: '2025-02-30" in stage.drawn(panels.SKYLIGHT_PT_main).text
     preview_cache.clear()
-
-
-@pytest.fixture
-def quick(monkeypatch):
-    """A reference that takes no minute, and a preview that takes no second."""
-    for name, ways in (("preview", 64), ("reference", 128)):
-        rough = simulation.Quality(once=(24, 9), more=(8, 5), ways=ways, shells=20)
-        monkeypatch.setitem(simulation.QUALITIES, name, rough)
 
 
 def made(scene):
