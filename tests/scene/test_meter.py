@@ -243,7 +243,7 @@ def test_the_command(hdri, tmp_path, capsys):
         return code, out, error.strip().splitlines()
 
     code, out, _ = told("--at", "-1,0,1", "--json")
-    found = json.loads(out[out.index("{") :])
+    found = json.loads(out)
     point = found["points"][0]
     assert code == 0 and point["at"] == [-1.0, 0.0, 1.0] and found["absolute"]
     lux = np.array(point["spectrum"]) @ quantity("illuminance").row

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import os
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import NoReturn
 
@@ -20,11 +24,25 @@ def open_scene(path: str | Path) -> bpy.types.Scene:
     if not path.is_file():
         raise InputError(path, "there is no such file", "check the path")
     try:
-        bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False, use_scripts=False)
+        with _prints_aside():
+            bpy.ops.wm.open_mainfile(filepath=str(path.resolve()), load_ui=False, use_scripts=False)
     except RuntimeError as error:
         reason = str(error).strip().splitlines()[-1]
         raise InputError(path, f"Blender cannot open it ({reason})", "give a .blend") from error
     return bpy.context.scene
+
+
+@contextlib.contextmanager
+def _prints_aside() -> Iterator[None]:
+    """Send what Blender says of a file to stderr: stdout holds a command's answer, maybe JSON."""
+    with contextlib.ExitStack() as stack:
+        with contextlib.suppress(OSError, ValueError, AttributeError):  # no terminal at all
+            sys.stdout.flush()
+            answers = os.dup(1)
+            stack.callback(os.close, answers)
+            stack.callback(os.dup2, answers, 1)
+            os.dup2(2, 1)
+        yield
 
 
 def material(name: str) -> bpy.types.Material:
