@@ -135,7 +135,7 @@ class SKYLIGHT_PT_meter(panels.Child, bpy.types.Panel):
         row.prop(scene.skylight_meter, "live", toggle=True)
         column = layout.column(align=True)
         for line in _read.get(scene.name, ()):
-            column.label(text=line, translate=False)
+            column.label(text=translated(line), translate=False)
         if scene.world is not None:
             layout.prop(scene.world.skylight, "level_lux")
         false_colour.draw(layout)

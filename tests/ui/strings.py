@@ -30,6 +30,9 @@ SENTENCES = (
     "scene/bake/scene_bake.py",
     "scene/bake/session.py",
     "scene/clear.py",
+    "scene/day/animate.py",
+    "scene/day/moments.py",
+    "scene/explain.py",
     "scene/lights/lighting.py",
     "scene/lights/user_lamps.py",
     "scene/materials/eligibility.py",
@@ -37,6 +40,9 @@ SENTENCES = (
     "scene/materials/record.py",
     "scene/materials/shader_rewrite.py",
     "scene/materials/spectral_material.py",
+    "scene/meter/calibration.py",
+    "scene/meter/exposure.py",
+    "scene/meter/light_meter.py",
     "scene/out_of_date.py",
     "scene/plan.py",
     "scene/use_cases/light.py",
@@ -46,23 +52,25 @@ SENTENCES = (
     "scene/use_cases/world.py",
     "scene/world/hdri.py",
     "scene/world/panorama.py",
+    "scene/world/simulated_sky.py",
     "scene/world/view_transform.py",
     "scene/write.py",
     "sky/direct_sun.py",
     "sky/hdri_checks.py",
     "sky/header_notes.py",
     "sky/light.py",
+    "sky/panorama.py",
     "sky/sky_classification.py",
     "transfer/choice.py",
     "transfer/ground.py",
     "transfer/lamps.py",
     "transfer/prediction.py",
+    "transfer/readings.py",
 )
 """Files of other rooms whose sentences stand in the panel and in reports.
 
 Other rooms' errors stay English: they quote files and settings, and are what one searches for. So
-do the step by step explanation of a color and the names and tooltips of our nodes' sockets, which
-lie in the blend file.
+do the names and tooltips of our nodes' sockets, which lie in the blend file.
 """
 
 COMPOSED = (
@@ -71,6 +79,8 @@ COMPOSED = (
     *("estimated", "unknown", "none", "preparing {0}", "{0} left", "starting", "stopped"),
     *("Day, sun at {0}°", "is", "are", "Strength", "Rotation", "Strength and Rotation"),
     "no light comes from below: the HDRI is black there",
+    *("Illuminance: {0}", "Melanopic EDI: {0}", "Luminance: {0}", "Color Temperature: {0}"),
+    "Suspicious: {0}",
     *("open sky", "no light is baked yet"),
     "open sky: no shadows but the sun's yet",
 )
@@ -89,6 +99,7 @@ NOT_SHOWN = {
     *("Lamp 1", "Lamp 2", "Linear Rec.2020", "Linear Rec.709", "Sheen Weight", "Spectral Matrix"),
     *("Specular IOR Level", "Specular Tint", "Subsurface Weight"),
     *("Thin Film Thickness", "Transmission Weight", "Window"),
+    "{0} or {1}",  # of an error's choices
     *("Many pictures", "Settings", "The fields of a file", "The library of reflectances"),
 }
 """Names of Blender's and of our data, and headings of the manual, which is in English."""

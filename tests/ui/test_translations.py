@@ -12,7 +12,6 @@ from spectral_skylight.addon.ui import catalogue
 from spectral_skylight.tests.ui import strings
 
 MESSAGES = strings.messages()
-UPDATE = "run `python -m spectral_skylight.tests.ui.strings` and fill in the empty msgstr"
 
 
 @pytest.fixture(scope="module", params=catalogue.LANGUAGES)
@@ -23,6 +22,7 @@ def known(request):
 
 def test_the_code_is_read():
     assert len(MESSAGES) > 600
+    assert all(any(strings.ADDON.glob(name)) for name in strings.SENTENCES)
     for message in (
         ("Operator", "Make Everything Spectral"),
         ("*", "Turn of the sky about the vertical, counterclockwise from above"),
@@ -116,6 +116,15 @@ LINES = {
 @pytest.mark.parametrize("english", LINES)
 def test_a_line_is_put_together_of_its_parts(english):
     assert catalogue.of("de_DE").line(english) == LINES[english]
+
+
+def test_every_line_is_known_with_values(known):
+    """In each catalogue's own words: no other message takes its place, or takes it apart."""
+    own = catalogue.Catalogue(known)
+    for (context, english), text in known.items():
+        if context == "Line" and strings.is_words(english):
+            values = [str(7 + number) for number in range(len(catalogue.places(english)))]
+            assert own.line(english.format(*values)) == text.format(*values)
 
 
 @pytest.mark.parametrize("name", ["Material", "Day", "Ground", "Glass", "Remove All", "Roof, old"])
