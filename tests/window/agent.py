@@ -38,16 +38,20 @@ def at_work():
     return any(name.startswith("SKYLIGHT") for name in running)
 
 
+def ours(module):
+    """A module of the add-on, by its name below the root."""
+    return importlib.import_module(f"bl_ext.user_default.spectral_skylight.{module}")
+
+
 def following():
     """Whether light is being computed, or is to be."""
-    follow = importlib.import_module("bl_ext.user_default.spectral_skylight.addon.ui.follow")
+    follow = ours("addon.ui.follow")
     return follow.work() is not None or follow.waiting()
 
 
 def light(name):
     """The mean green of an object's baked light, None without any."""
-    package = "bl_ext.user_default.spectral_skylight"
-    storage = importlib.import_module(package + ".addon.scene.bake.storage")
+    storage = ours("addon.scene.bake.storage")
     bake = storage.bake_of(bpy.data.objects[name])
     found = None if bake is None else bake.data.attributes.get("skylight_light")
     if found is None:
@@ -83,8 +87,7 @@ def solid():
 
 def matrix(name):
     """The matrix that a material was given, None without."""
-    package = "bl_ext.user_default.spectral_skylight"
-    materials = importlib.import_module(package + ".addon.scene.materials.spectral_material")
+    materials = ours("addon.scene.materials.spectral_material")
     found = materials.managed(bpy.data.materials[name])
     return found and [list(row) for row in found.matrix]
 

@@ -147,6 +147,19 @@ def test_esc_and_undo(equipped):
         after = window.ask("[len(bpy.data.objects), bpy.data.objects['Cube'].modifiers.keys()]")
         assert after == before
 
+        for language in ("de_DE", "es", "fr_FR", "ja_JP"):
+            window.ask(f"setattr(bpy.context.preferences.view, 'language', {language!r})")
+            own = set(window.ask(TRANSLATED))
+            assert len(own) == 2 and not own & {"Make Everything Spectral", "Wall: emits light"}
+            window.shot(language, window.box("UI"))
+
+
+TRANSLATED = """[
+    bpy.app.translations.pgettext_iface('Make Everything Spectral', 'Operator'),
+    ours('addon.ui.translation').translated('Wall: emits light'),
+]"""
+"""What Blender looks up, and what is composed."""
+
 
 def test_the_light_follows(equipped):
     """Four clicks after N bring all light; what moves gets its own without another click, and Esc
