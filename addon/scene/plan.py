@@ -106,7 +106,7 @@ def making(
     hidden = None
     wanted = settings.tolerance is not None or settings.shadows == OPEN
     if wanted and bpy.context.scene.world == world:
-        hidden = sky_exposure.hidden_share(bpy.context.scene, list(surfaces))
+        hidden = yield from sky_exposure.hiding(list(surfaces))
     if settings.tolerance is not None and hidden is not None:
         model += f"; {visibility_line(hidden, settings.tolerance)}"
     reflectances = {material: one.values for material, one in surfaces.items()}

@@ -129,7 +129,6 @@ def busy(window: bpy.types.Window) -> bool:
 
 def _begin() -> bool:
     """Begin what was asked for, where the scene asks for all light."""
-    from ..scene import use_cases
     from ..scene.world.settings import stored
     from . import properties
 
@@ -137,7 +136,11 @@ def _begin() -> bool:
     _asked = None
     scene = bpy.context.scene
     settings = stored(scene.world)
-    if settings is None or settings.occlusion != AUTO or not use_cases.in_scene(scene):
+    if settings is None or settings.occlusion != AUTO:
+        return False
+    from ..scene import use_cases
+
+    if not use_cases.in_scene(scene):
         return False
     _lines.clear()
     steps = use_cases.following(scene, properties.settings_of(scene.world))

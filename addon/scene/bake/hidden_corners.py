@@ -12,10 +12,13 @@ from collections.abc import Generator
 import numpy as np
 from numpy.typing import NDArray
 
+from ...progress import Progress, aside, mapped
 from ...transport.hits import Space
 from .geometry import parts_of
 from .receivers import Points
 from .storage import Fine
+
+AT = Progress(1.0, "geometry")
 
 INWARDS = 0.02
 """Of the way from a corner to its cell's middle: what ends so near a corner does not hide it."""
@@ -35,7 +38,7 @@ def with_twins(fine: Fine, points: Points, space: Space) -> Generator[float, Non
     normals = fine.mean(points.normals[fine.point])
     starts, ways = (each.astype(np.float32) for each in (middle, normals))
     _, buried = yield from space.hiding(starts, ways, np.zeros(len(middle)))
-    lost = _lost(fine, cut, ~buried)
+    lost = yield from mapped(aside(AT, _lost, fine, cut, ~buried), lambda at: at.done)
     if not lost.any():
         return fine
     twins, number = np.unique(fine.point[lost], return_inverse=True)

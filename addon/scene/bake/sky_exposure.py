@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Generator, Sequence
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...progress import Progress, aside, run
 from . import placed_meshes
 from .placed_meshes import PlacedMeshes
 
 _POINTS, _RAYS = 64, 64
 """Places that are looked from, and rays from each: a hundredth of the sky, in some tenths of a
 second."""
+
+LOOKING = Progress(0.0, "the sky")
 
 _LIFT = 1e-4
 """How far over its face a place lies, of the scene's size: rays must not meet their own face."""
@@ -26,9 +29,22 @@ def hidden_share(scene: bpy.types.Scene, chosen: Collection[bpy.types.Material])
     sky that they could see. From a few places in proportion to their area, always the same ones.
     None where no visible face has one of the materials.
     """
+    return run(hiding(chosen))
+
+
+def hiding(
+    chosen: Collection[bpy.types.Material],
+) -> Generator[Progress, None, float | None]:
+    """Find the `hidden_share`, yielding now and then."""
     around = placed_meshes.gather(bpy.context.evaluated_depsgraph_get())
+    names = [material.name_full for material in chosen]
+    yield LOOKING
+    return (yield from aside(LOOKING, _hidden, around, names))
+
+
+def _hidden(around: PlacedMeshes, names: Sequence[str]) -> float | None:
     rng = np.random.default_rng(0)
-    starts, normals = _places(around, chosen, rng)
+    starts, normals = _places(around, names, rng)
     # Cosine-weighted about the normal (N. Malley): the normal plus an even direction.
     even = rng.standard_normal((len(starts), _RAYS, 3))
     ways = normals[:, None] + even / np.linalg.norm(even, axis=2, keepdims=True)
@@ -49,7 +65,8 @@ def ground_below(
     Of faces that see what is below them nine in ten have to have something straight under them.
     """
     around = placed_meshes.gather(bpy.context.evaluated_depsgraph_get())
-    starts, normals = _places(around, chosen, np.random.default_rng(0))
+    names = [material.name_full for material in chosen]
+    starts, normals = _places(around, names, np.random.default_rng(0))
     starts = starts[normals[:, 2] <= 0.7]
     place, triangle = around.first_hits(starts, np.broadcast_to([0.0, 0.0, -1.0], starts.shape))
     below = around.material[triangle[place >= 0]].tolist()
@@ -60,13 +77,12 @@ def ground_below(
 
 
 def _places(
-    around: PlacedMeshes, chosen: Collection[bpy.types.Material], rng: np.random.Generator
+    around: PlacedMeshes, names: Sequence[str], rng: np.random.Generator
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return points just over faces of some materials and their normals, (k, 3) and (k, 3).
+    """Return points just over faces of materials of these names, and normals, (k, 3) and (k, 3).
 
     Evenly over all such faces; k is 0 where there are none.
     """
-    names = [material.name_full for material in chosen]
     own = np.isin(around.materials, names)[around.material]
     areas = around.areas(own) if own.any() else np.zeros(0)
     ends, none = np.cumsum(areas), np.empty((0, 3))

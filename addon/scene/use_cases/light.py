@@ -81,14 +81,20 @@ def following(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress,
         chosen, lines = editable(in_scene(scene))
         world = yield from developing(scene, settings)
         yield from write((yield from planning.making(world, given_before(chosen), settings)))
-    return lines + (yield from all_light(scene, settings))
+        shining = yield from shining_on(scene, settings)
+    return lines + (yield from _lighting(scene, settings, shining))
 
 
 def all_light(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress, None, list[str]]:
     """Bake what has no light or an old one in the active scene, or where there is nothing to bake,
     light anew what is baked; returns lines. Raises InputError as `analyzed` does.
     """
-    shining = yield from shining_on(scene, settings)
+    return (yield from _lighting(scene, settings, (yield from shining_on(scene, settings))))
+
+
+def _lighting(
+    scene: bpy.types.Scene, settings: Settings, shining: SceneLight
+) -> Generator[Progress, None, list[str]]:
     old = yield from scene_bake.finding_stale()
     lines: list[str] = []
     if not any(map(scene_bake.is_waiting, old)):
