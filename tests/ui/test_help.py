@@ -83,8 +83,8 @@ def test_each_panel_has_its_section(addon):
 
 def test_f1_finds_every_button_and_field(addon):
     """As Blender does: the first pattern that the lowercase identifier matches."""
-    (prefix, places), *_ = bpy.utils.manual_map()
-    page = Path(urllib.parse.urlparse(prefix).path)
+    found = [(prefix, *each) for prefix, places in bpy.utils.manual_map() for each in places]
+    page = Path(urllib.parse.urlparse(help.address()).path)
     reader = Reader()
     reader.feed(page.read_text(encoding="utf-8"))
     wanted = {f"bpy.ops.skylight.{name}": f"skylight{name}" for name in dir(bpy.ops.skylight)}
@@ -94,8 +94,8 @@ def test_f1_finds_every_button_and_field(addon):
     }
     wanted |= {f"bpy.types.{name.lower()}": place for name, place in fields.items()}
     for name, place in wanted.items():
-        first = next(at for pattern, at in places if fnmatchcase(name, pattern))
-        assert first == place and place in reader.places, name
+        first = next(prefix + at for prefix, pattern, at in found if fnmatchcase(name, pattern))
+        assert first == help.address(place) and place in reader.places, name
 
 
 def test_the_button_opens_the_section(addon, monkeypatch):
