@@ -58,7 +58,7 @@ def _blocks(text: str) -> list[tuple[str, str]]:
         if number % 2:
             found.append(("code", part))
             continue
-        for block in re.split(r"\n\s*\n", part.strip("\n")):
+        for block in re.split(r"\n\s*\n|\n(?=#+ )", part.strip("\n")):
             if block.strip():
                 found.append((_kind(block), block))
     return found

@@ -66,6 +66,7 @@ def test_the_page_is_whole():
         ("```python\n# no heading\n\ny = 1\n```", "<pre># no heading\n\ny = 1</pre>"),
         ("- one\n- two\n  goes on", "<ul><li>one</li><li>two goes on</li></ul>"),
         ("| a | b |\n|---|---|\n| `c` | d |", "<td><code>c</code></td><td>d</td>"),
+        ("text\n## Next", '<h2 id="next">Next</h2>'),
         ("## skylight.load_sky", '<h2 id="skylightload_sky">skylight.load_sky</h2>'),
     ],
 )
