@@ -287,7 +287,7 @@ def progressive(engine: str = "cycles") -> Way:
                 picture, seconds = _rendered(scene, ready, engine)
                 yield Shot(picture, clock.seconds + seconds, clock.seconds.copy())
 
-    return Way(f"Ours in {engine.capitalize()}", "", shots)
+    return Way(f"Ours in {engine.capitalize()}", "while it bakes", shots)
 
 
 def _make_spectral(scene: bpy.types.Scene, ready: Ready, settings: Settings) -> None:

@@ -84,15 +84,16 @@ def _panel(axis: Any, some: Sequence[Point], what: str, labels: bool) -> None:
             (point for point in some if point.family == family), key=lambda p: p.times[what]
         )
         colour = _COLOURS.get(family, _OTHER)
-        for way in dict.fromkeys(point.way.split(",")[0] for point in series):
-            line = [p for p in series if p.way.split(",")[0] == way and p.label[:1].isdigit()]
-            times, errors = [p.times[what] for p in line], [p.errors["mean"] for p in line]
-            axis.plot(times, errors, color=colour, linewidth=0.9, alpha=0.7, zorder=2)
+        for line in _lines(series):
+            x, y = [p.times[what] for p in line], [p.errors["mean"] for p in line]
+            axis.plot(x, y, color=colour, linewidth=0.9, alpha=0.7, zorder=2)
+        named: set[str] = set()
         for point in series:
             x, mean, p95 = point.times[what], point.errors["mean"], point.errors["p95"]
             axis.plot(x, mean, "o", color=colour, markersize=5.5, zorder=3)
             axis.plot([x, x], [mean, p95], color=colour, linewidth=0.8, alpha=0.45, zorder=2)
-            if labels and point.label:
+            if labels and point.label not in named:
+                named.add(point.label)
                 axis.annotate(
                     point.label,
                     (x, mean),
@@ -125,6 +126,16 @@ def _panel(axis: Any, some: Sequence[Point], what: str, labels: bool) -> None:
         one.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         one.set_minor_formatter(NullFormatter())
     axis.set_xlim(right=edge)
+
+
+def _lines(series: Sequence[Point]) -> list[list[Point]]:
+    """Return what of a series is one line: one way as it becomes better, and one way by number."""
+    ways: dict[str, list[Point]] = {}
+    for point in series:
+        ways.setdefault(point.way, []).append(point)
+    several = [line for line in ways.values() if len(line) > 1]
+    single = [line[0] for line in ways.values() if len(line) == 1]
+    return [*several, [point for point in single if point.label[:1].isdigit()]]
 
 
 def _wrapped(text: str, width: int = 76) -> str:
