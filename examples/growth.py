@@ -187,10 +187,14 @@ def slope(counts: np.ndarray, seconds: np.ndarray) -> float:
 
 def draw(stem: Path, rows: list[list[str]]) -> list[Path]:
     """Draw seconds over counts, log-log, with the slope of each line at its end."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
     known = {grows: [row for row in rows if row[0] == grows] for grows in GROWING}
     known = {grows: own for grows, own in known.items() if len(own) > 1}
     figure = new_figure(15.0, 8.2)
     axes = figure.subplots(2, 3)
+    for axis in axes.flat[len(known) :]:
+        axis.set_axis_off()
     for axis, (grows, own) in zip(axes.flat, known.items(), strict=False):
         counts = np.array([float(row[1]) for row in own])
         for k, step in enumerate(STEPS):
@@ -211,6 +215,10 @@ def draw(stem: Path, rows: list[list[str]]) -> list[Path]:
         axis.set(xlabel=f"Number of {grows}", xlim=(counts[0] / 1.3, counts[-1] * 2.0))
         axis.grid(True, which="major", color="#e8e8e8")
         axis.spines[["top", "right"]].set_visible(False)
+        for one in axis.xaxis, axis.yaxis:
+            one.set_major_locator(LogLocator(10.0, (1.0, 2.0, 5.0)))
+            one.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,g}"))
+            one.set_minor_formatter(NullFormatter())
     for axis in axes[:, 0]:
         axis.set_ylabel("Processor time [s]")
     from matplotlib.lines import Line2D
