@@ -179,7 +179,7 @@ class Window:
             time.sleep(0.2)
 
     def type(self, text: str) -> None:
-        self.pointer("type", "--delay", "30", text)
+        self.pointer("type", "--delay", "30", "--", text)
 
     def hover(self, box: Box) -> None:
         """Move the pointer to the middle of a box: Blender's keys go to what is under it."""
