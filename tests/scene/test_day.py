@@ -1,6 +1,7 @@
 """A sky that moves through a day: what a file plays, against skies computed for the moment."""
 
 from dataclasses import replace
+from functools import partial
 
 import bpy
 import numpy as np
@@ -11,6 +12,7 @@ from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.day import animate, day_world, values
+from spectral_skylight.addon.scene.day.moments import find
 from spectral_skylight.addon.scene.lights import sun_lamp
 from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.scene.world import capture, hdri
@@ -197,6 +199,23 @@ def test_another_material_moves_too_and_nothing_of_the_first_day_stays(day):
     targets = {d.driver.variables[0].targets[0].id for each in moving for d in each}
     assert targets == {scene.world}
     assert (scene.frame_start, scene.frame_end) == (1, 121)
+
+
+def test_a_day_goes_through_sunrise(day, monkeypatch):
+    """Coarsely, for there the light of the sun comes and goes, and with it parts of the shader."""
+    scene, _, _ = day
+    monkeypatch.setattr(animate, "find", partial(find, within=100.0))
+    run(use_cases.animate(scene, replace(DAY, first="05:00", until="05:40", frames=41), OPEN))
+    surface = skylight_surface.find(scene.world)
+    probe = skylight_surface.part(surface, skylight_surface.PROBE)
+    driven = {each.data_path for each in probe.animation_data.drivers}
+    assert driven == {'nodes["Sun"].inputs[0].default_value'}
+    shine = []
+    for frame in (1, 41):
+        scene.frame_set(frame)
+        shine.append(light_probe.colour(probe, light_probe.SUN))
+    assert shine[0] == (0.0, 0.0, 0.0) and min(shine[1]) > 0.0
+    assert scene.world["spectral_skylight_sun_elevation"] > 0.27
 
 
 def test_remove_all_removes_it_whole(day):

@@ -26,7 +26,8 @@ SAME = 1e-6
 class Place:
     """One number of a node tree: of what, where, and which axis of it, -1 of a plain number.
 
-    ``kind`` and ``name``: the data-block that holds the tree; ``light``: whether it grows with the
+    ``kind`` and ``name``: which tree it is, see `_tree_of`: by the part that it plays, for what a
+    key sky lacks is made anew under another name; ``light``: whether it grows with the
     light and is thus divided by its level; ``sun``: 1 of what a material makes of the sun's RGB, -1
     of that, 0 of anything else.
     """
@@ -49,16 +50,24 @@ def gather(
         found |= _numbers("materials", material.name, material.node_tree, own, False)
     surface = skylight_surface.find(world)
     names = (skylight_surface.SKY, skylight_surface.GROUND, skylight_surface.PROBE)
-    for tree in [skylight_surface.part(surface, name) for name in names] if surface else []:
+    for name in names if surface else ():
+        tree = skylight_surface.part(surface, name)
         if tree is not None:
-            found |= _numbers("node_groups", tree.name, tree, tree.nodes, True)
+            own = [node for node in tree.nodes if _holds_light(node)]
+            found |= _numbers("parts", name, tree, own, True)
     for scene in scenes:
         lamp = sun_lamp.find(scene, sun_lamp.SUN)
         if lamp is not None:
             tree = lamp.data.node_tree
             own = [node for node in tree.nodes if node.type == "EMISSION"]
-            found |= _numbers("lights", lamp.data.name, tree, own, True)
+            found |= _numbers("suns", scene.name, tree, own, True)
     return found
+
+
+def _holds_light(node: bpy.types.Node) -> bool:
+    """Whether a node of a World's groups holds light, and no constant of the shader."""
+    probe = light_probe.SUN, light_probe.GREEN, light_probe.BLUE
+    return node.name in probe or node.name.startswith(("x", "row "))
 
 
 def _numbers(
@@ -78,7 +87,7 @@ def _numbers(
                 found[Place(kind, name, path, -1, light)] = float(socket.default_value)
                 continue
             sun = int(not light and socket.name.split()[-1] == light_probe.SUN)
-            if kind == "lights" or node.name == light_probe.SUN:
+            if kind == "suns" or node.name == light_probe.SUN:
                 sun = -1
             for axis, part in enumerate(socket.default_value[:3]):
                 found[Place(kind, name, path, axis, light, sun)] = float(part)
@@ -106,11 +115,19 @@ def drive_all(
         scale = evens[:, max(place.axis, 0)] ** place.sun
         if place.light:
             scale = scale / np.asarray(levels)
-        owner = getattr(bpy.data, place.kind)[place.name]
-        tree = owner if isinstance(owner, bpy.types.NodeTree) else owner.node_tree
-        drive(tree, place.path, place.axis, world, elevations, numbers * scale)
+        drive(_tree_of(world, place), place.path, place.axis, world, elevations, numbers * scale)
         count += 1
     return count
+
+
+def _tree_of(world: bpy.types.World, place: Place) -> bpy.types.NodeTree:
+    """The node tree of a place: of ``materials`` by name, the World's ``parts`` by theirs, and of
+    the lamps of ``suns`` by their scene's."""
+    if place.kind == "materials":
+        return bpy.data.materials[place.name].node_tree
+    if place.kind == "parts":
+        return skylight_surface.part(skylight_surface.find(world), place.name)
+    return sun_lamp.find(bpy.data.scenes[place.name], sun_lamp.SUN).data.node_tree
 
 
 def _held(values: NDArray[np.float64]) -> NDArray[np.float64]:
