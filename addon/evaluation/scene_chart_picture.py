@@ -85,8 +85,8 @@ def _panel(axis: Any, some: Sequence[Point], what: str, labels: bool) -> None:
         )
         colour = _COLOURS.get(family, _OTHER)
         for line in _lines(series):
-            x, y = [p.times[what] for p in line], [p.errors["mean"] for p in line]
-            axis.plot(x, y, color=colour, linewidth=0.9, alpha=0.7, zorder=2)
+            places = [[p.times[what] for p in line], [p.errors["mean"] for p in line]]
+            axis.plot(*places, color=colour, linewidth=0.9, alpha=0.7, zorder=2)
         named: set[str] = set()
         for point in series:
             x, mean, p95 = point.times[what], point.errors["mean"], point.errors["p95"]
