@@ -14,9 +14,6 @@ from ..spectra.cielab import XYZ_to_Lab, delta_E_2000
 from . import directions
 from .radiosity import Radiosity
 
-SHARE = 0.95
-"""Of the picture, that must keep to a tolerance."""
-
 ENOUGH = 2000
 """Patches, of which a mean is told."""
 
@@ -40,11 +37,6 @@ class LeftOut:
             for error in (self.without_bounces, self.open_sky)
         )
         return f"without bounces ΔE {bounces:.2g}, under the open sky {sky:.2g}"
-
-    def may_be_open(self, tolerance: float) -> bool:
-        """Whether `SHARE` of the picture is within a tolerance [CIEDE2000] under the open sky."""
-        within = self.weight[self.open_sky <= tolerance].sum()
-        return bool(within > 0.0 and within >= SHARE * self.weight.sum())
 
 
 def left_out(
