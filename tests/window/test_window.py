@@ -196,16 +196,12 @@ def test_the_light_follows(equipped):
         window.key("Escape")
         window.wait("not following()", 5)
         window.find("Stopped")
-        window.step("update")
-        window.press("Go On")
-        window.wait("not at_work()", 60)
-        window.key("Escape")
         window.no_freeze()
 
 
 def test_the_first_minute(equipped):
-    """Two clicks from the tab to the example house in spectral light, then a village as large as a
-    town's block, a library and a lamp, and the window is alive all the time."""
+    """Two clicks from the tab to the example house in spectral light; then a village of 400 houses,
+    and nothing of ours holds up the window."""
     with Window(equipped) as window:
         window.press_tab("Skylight")
         window.step("open the example")
