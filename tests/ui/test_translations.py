@@ -12,6 +12,7 @@ from spectral_skylight.addon.ui import catalogue
 from spectral_skylight.tests.ui import strings
 
 MESSAGES = strings.messages()
+UPDATE = "run `python -m spectral_skylight.tests.ui.strings` and fill in the empty msgstr"
 
 
 @pytest.fixture(scope="module", params=catalogue.LANGUAGES)
@@ -31,6 +32,12 @@ def test_the_code_is_read():
         ("Line", "emits light"),
     ):
         assert message in MESSAGES
+
+
+def test_every_text_is_translated_and_none_is_left_over(known):
+    missing = [message for message in MESSAGES if not known.get(message)]
+    assert not missing, f"{UPDATE}: {missing}"
+    assert not known.keys() - MESSAGES.keys(), UPDATE
 
 
 def test_values_and_figures_stay(known):

@@ -15,9 +15,10 @@ from spectral_skylight.addon.ui import (
     sky_box,
     text_width,
 )
+from spectral_skylight.tests.lanes import newest
 from spectral_skylight.tests.ui import room
 
-pytestmark = pytest.mark.blender
+pytestmark = [pytest.mark.blender, newest]
 
 
 def test_a_text_too_wide_is_found(scene, monkeypatch):
