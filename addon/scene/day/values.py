@@ -127,7 +127,9 @@ def _tree_of(world: bpy.types.World, place: Place) -> bpy.types.NodeTree:
         return bpy.data.materials[place.name].node_tree
     if place.kind == "parts":
         return skylight_surface.part(skylight_surface.find(world), place.name)
-    return sun_lamp.find(bpy.data.scenes[place.name], sun_lamp.SUN).data.node_tree
+    sun = sun_lamp.find(bpy.data.scenes[place.name], sun_lamp.SUN)
+    assert sun is not None  # its place was written with it
+    return sun.data.node_tree
 
 
 def _held(values: NDArray[np.float64]) -> NDArray[np.float64]:
