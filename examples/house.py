@@ -18,8 +18,6 @@ from spectral_skylight.addon.scene import example_house
 from spectral_skylight.addon.scene.output import render
 
 TITLES = {"eevee": "Eevee today", "spectral": "One click later"}
-SAMPLES = 64
-
 COURT, DETAIL = (-0.4, -1.0, 1.4), math.radians(27.0)
 """What the second picture is aimed at [m], and the angle that it shows."""
 
@@ -29,6 +27,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="examples/run house", description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=Path(__file__).parent / "out" / "house")
     parser.add_argument("--width", type=int, default=480)
+    parser.add_argument("--samples", type=int, default=64)
     options = parser.parse_args()
     out = options.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
@@ -38,7 +37,7 @@ def main() -> None:
     scene = bpy.data.scenes[example_house.NAME]
     bpy.context.window.scene = scene  # as the button does in a window of its own
     scene.render.resolution_x, scene.render.resolution_y = options.width, options.width * 2 // 3
-    scene.eevee.taa_render_samples = SAMPLES
+    scene.eevee.taa_render_samples = options.samples
     images = {}
     for name in TITLES:
         if name == "spectral":

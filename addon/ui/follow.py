@@ -166,6 +166,7 @@ def _go_on() -> None:
         _work = None
         out_of_date.all_baked(bpy.context.scene)
         staleness_handlers.found_bakes()
+        staleness_handlers.look()
     except InputError as error:
         _halt, _work = told(error), None
     except Exception as error:  # a timer that fails is not called again

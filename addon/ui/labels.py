@@ -10,9 +10,10 @@ def told(error: InputError) -> str:
 
 def label(parameter: str) -> str:
     """Return the label of a parameter's field; its name in words where the panel has none."""
-    from . import batch, place, properties
+    from . import batch, material_properties, place, properties
 
-    groups = (properties.SkylightNumbers, properties.SkylightReflectance, batch.SkylightBatch)
+    of_material = material_properties.SkylightReflectance
+    groups = (properties.SkylightNumbers, of_material, batch.SkylightBatch)
     for group in (*groups, place.SkylightPlace):
         if (field := group.bl_rna.properties.get(parameter)) is not None:
             return field.name

@@ -41,7 +41,7 @@ class Thin:
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Run, and report what came of it."""
         try:
-            with _busy(context):
+            with _busy(context), staleness_handlers.at_work():
                 lines = self.run(context)
         except InputError as error:
             self.report({"ERROR"}, translated(told(error)))  # type: ignore[attr-defined]
@@ -132,7 +132,8 @@ class Long(Thin):
             self.generator, self.stopped = rest, True
         if event.type == "TIMER":
             try:
-                progress = a_while(self.generator, SLICE)
+                with staleness_handlers.at_work():
+                    progress = a_while(self.generator, SLICE)
             except StopIteration as done:
                 self._tidy(context)
                 return self._end(context, done.value)
@@ -164,7 +165,8 @@ class Long(Thin):
     def _end(self, context: bpy.types.Context, done: Any) -> set[str]:
         """Report; FINISHED makes one undo step of all that was done."""
         try:
-            lines = self.finish(context, done)
+            with staleness_handlers.at_work():
+                lines = self.finish(context, done)
         except InputError as error:
             lines = [("ERROR", told(error))]
         staleness_handlers.after(context)

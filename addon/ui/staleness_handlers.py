@@ -26,6 +26,7 @@ _stale: dict[int, str] = {}  # by a material's session_uid, why it is
 _files: dict[int, tuple[str, str]] = {}  # the same, by what was found on disk, and for which hash
 _moved = False
 _ours = False  # whether what Blender tells of is our own doing
+_at_work = False  # whether it would tell in the midst of that
 
 
 def stale(material: bpy.types.Material) -> str:
@@ -65,10 +66,26 @@ def ours(context: bpy.types.Context) -> Iterator[None]:
     global _ours
     _ours = True
     try:
-        yield
+        with at_work():
+            yield
         context.view_layer.update()
     finally:
         _ours = False
+
+
+@contextlib.contextmanager
+def at_work() -> Iterator[None]:
+    """Do work of which Blender does not tell us in its midst, for what it names may be gone then.
+
+    It evaluates the scene whenever the work asks for it, and Blender 5.2 has crashed on what the
+    step before had replaced. `look` at all materials afterwards.
+    """
+    global _at_work
+    before, _at_work = _at_work, True
+    try:
+        yield
+    finally:
+        _at_work = before
 
 
 def after(context: bpy.types.Context) -> None:
@@ -108,6 +125,8 @@ def _look_at(material: bpy.types.Material) -> None:
 @guarded
 def _changed(scene, depsgraph) -> None:
     global _moved
+    if _at_work:
+        return
     for update in depsgraph.updates:
         changed = update.id
         if not _ours and isinstance(changed, LIGHTS):

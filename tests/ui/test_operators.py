@@ -9,7 +9,7 @@ import pytest
 from spectral_skylight.addon.scene import example_house
 from spectral_skylight.addon.scene.materials import eligibility, spectral_material
 from spectral_skylight.addon.scene.world import light_group, panorama, settings
-from spectral_skylight.addon.ui import properties
+from spectral_skylight.addon.ui import material_properties
 from spectral_skylight.tests.ui.stage import (
     error_of,
     given,
@@ -58,7 +58,7 @@ def test_choose_reflectance_looks_for_the_columns(scene, brick, capfd):
     bpy.ops.skylight.choose_reflectance(filepath=brick)
     choice = material().skylight
     assert "Wall: 2 column(s), choose a column" in capfd.readouterr().out
-    assert properties._columns(choice, bpy.context, "") == ("brick", "moss")
+    assert material_properties._columns(choice, bpy.context, "") == ("brick", "moss")
     assert choice.column == ""  # two to choose from, none named as the material
     assert given() is None
     bpy.ops.skylight.choose_reflectance(filepath=brick, material="Roof", column="moss")
@@ -85,7 +85,7 @@ def test_a_path_that_was_typed_wrongly_says_so(scene, brick):
     choice.filepath = brick
     choice.filepath = "/nowhere.csv"
     assert "nowhere.csv" in choice.problem
-    assert properties._columns(choice, bpy.context, "") == ()
+    assert material_properties._columns(choice, bpy.context, "") == ()
     choice.filepath = brick
     assert choice.problem == ""
 
