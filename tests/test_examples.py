@@ -13,9 +13,8 @@ pytest.importorskip("bpy", reason="bpy is not installed")
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 MAIN_JOB = EXAMPLES / "main_job.py"
-LIT = (
-    *("sun", "courtyard", "bounce", "street", "room", "white", "dusk", "texture", "gloss", "glass"),
-)
+LIT = "sun", "courtyard", "street", "room", "gloss", "glass"
+"""One of each kind: what the four others build and judge is built and judged in these, too."""
 
 
 @pytest.mark.slow
@@ -82,9 +81,9 @@ def test_lit_example(name, lit):
     assert 0 < referee["noise"]["mean"] < 6 and 0 < referee["rgb_noise"]["mean"] < 6
     assert report["pixels"]["judged"] > 100 and report["blender"]
     # Between walls light bounces; where nothing stands beside, it does not.
-    if name in ("courtyard", "bounce", "street", "room", "white", "glass"):
+    if name in ("courtyard", "street", "room", "glass"):
         assert referee["bounced"] > 0.1
-    if name in ("texture", "gloss"):
+    if name == "gloss":
         assert referee["bounced"] < 0.01
 
 

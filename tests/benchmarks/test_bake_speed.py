@@ -51,7 +51,7 @@ def test_a_hundred_thousand_points(benchmark, slow):
         grey, 0 * grey, np.ones(1, np.float32), np.zeros(1, bool), through, through[..., 0]
     )
     rng = np.random.default_rng(1)
-    count = SAMPLE[slow]
+    count = SAMPLE[slow or benchmark.disabled]  # that it works is seen on few
     places = np.append(rng.uniform(-50, 50, (count, 2)), np.full((count, 1), 1e-3), axis=1)
     normals = np.tile([0.0, 0.0, 1.0], (count, 1))
     sky = np.ones((directions.SKY, COUNT), np.float32)
@@ -109,8 +109,8 @@ def test_a_town_takes_as_long_for_each_house(benchmark):
 
     def both():
         bake(8)  # what is done once
-        bake(100)
-        bake(400)
+        for houses in (100, 400) if benchmark.enabled else (20,):  # that it works is seen on few
+            bake(houses)
 
     benchmark.pedantic(both, rounds=1)
     benchmark.extra_info.update({str(key): found for key, found in seconds.items()})
