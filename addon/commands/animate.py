@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from .arguments import Commands
+from .arguments import Commands, add_place
 from .outputs import output
 from .progress_bar import run_with_bar
 
@@ -29,27 +29,7 @@ def add(commands: Commands) -> None:
         help="move through the days of the date's year instead, each at this time, winter's",
     )
     parser.add_argument("--frames", type=int, default=240, metavar="N", help="default: 240")
-    for name, what in (("latitude", "north"), ("longitude", "east")):
-        parser.add_argument(
-            f"--{name}",
-            type=float,
-            required=True,
-            metavar="DEG",
-            help=f"in degrees, {what} is positive",
-        )
-    parser.add_argument(
-        "--timezone",
-        default="UTC",
-        metavar="ZONE",
-        help="name such as Europe/Berlin, or hours east of UTC such as +2",
-    )
-    parser.add_argument(
-        "--north",
-        type=float,
-        default=0.0,
-        metavar="DEG",
-        help="true north in the scene, clockwise from +Y as seen from above",
-    )
+    add_place(parser)
     parser.add_argument("--haze", type=float, default=0.05, help="as of sky; default 0.05")
     parser.add_argument("--ozone", type=float, default=300.0, metavar="DU", help="as of sky")
     parser.add_argument("--ground", type=float, default=0.2, help="its reflectance; default 0.2")

@@ -123,3 +123,28 @@ def add_matrix_options(parser: argparse.ArgumentParser) -> None:
 def add_unit(parser: argparse.ArgumentParser) -> None:
     """Add the unit that reflectances are in where their file does not say."""
     parser.add_argument("--unit", choices=tuple(UNITS), help="unit of the reflectances")
+
+
+def add_place(parser: argparse.ArgumentParser) -> None:
+    """Add where on earth a scene stands, its time zone and its north."""
+    for name, what in (("latitude", "north"), ("longitude", "east")):
+        parser.add_argument(
+            f"--{name}",
+            type=float,
+            required=True,
+            metavar="DEG",
+            help=f"in degrees, {what} is positive",
+        )
+    parser.add_argument(
+        "--timezone",
+        default="UTC",
+        metavar="ZONE",
+        help="name such as Europe/Berlin, or hours east of UTC such as +2",
+    )
+    parser.add_argument(
+        "--north",
+        type=float,
+        default=0.0,
+        metavar="DEG",
+        help="true north in the scene, clockwise from +Y as seen from above",
+    )

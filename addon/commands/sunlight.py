@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from .arguments import Commands
+from .arguments import Commands, add_place
 from .outputs import output
 from .progress_bar import run_with_bar
 
@@ -26,27 +26,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--minutes", type=float, default=5.0, metavar="N", help="a sun every so many; default 5"
     )
-    for name, what in (("latitude", "north"), ("longitude", "east")):
-        parser.add_argument(
-            f"--{name}",
-            type=float,
-            required=True,
-            metavar="DEG",
-            help=f"in degrees, {what} is positive",
-        )
-    parser.add_argument(
-        "--timezone",
-        default="UTC",
-        metavar="ZONE",
-        help="name such as Europe/Berlin, or hours east of UTC such as +2",
-    )
-    parser.add_argument(
-        "--north",
-        type=float,
-        default=0.0,
-        metavar="DEG",
-        help="true north in the scene, clockwise from +Y as seen from above",
-    )
+    add_place(parser)
     parser.add_argument(
         "--csv", type=output(".csv"), metavar="FILE.csv", help="write a row for each object"
     )

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..spectra.working_spaces import from_srgb
+from ..transfer.readings import number
 from .canvas import Canvas
 from .theme import LIGHT, Theme
 
@@ -143,11 +144,8 @@ def isolines(amounts: ArrayLike, scale: Scale) -> NDArray[np.bool_]:
 
 
 def text(amount: float) -> str:
-    """Return an amount as people write it: three digits, thousands apart."""
-    if amount == 0.0:
-        return "0"
-    digits = max(0, 2 - int(np.floor(np.log10(abs(amount)))))
-    figure = f"{round(amount, 2 - int(np.floor(np.log10(abs(amount))))):,.{digits}f}"
+    """Return an amount as `number` writes it, without zeros at its end."""
+    figure = number(amount)
     return figure.rstrip("0").rstrip(".") if "." in figure else figure
 
 

@@ -8,6 +8,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from .row_keys import row_keys
+
 FINEST = 8
 """How often a triangle may be cut: into 65,536 cells."""
 
@@ -220,8 +222,7 @@ def _patches(surfaces, levels, counts, small):
         place = np.floor(at.mean(axis=1) / max(small * 4.0, 1e-9)).astype(np.int64)
         kind, solid = surfaces.kind[triangles], surfaces.solid[triangles]
         key = np.column_stack([surfaces.thing[triangles], kind, solid, octant, place])
-        odd = np.random.default_rng(7).integers(2**62, 2**63, key.shape[1]).astype(np.uint64) | 1
-        mixed = (key.astype(np.uint64) * odd).sum(axis=1, dtype=np.uint64)
-        number[triangles] = total + np.unique(mixed, return_inverse=True)[1].reshape(-1)
+        of_row = np.unique(row_keys(key), return_inverse=True)[1]
+        number[triangles] = total + of_row.reshape(-1)
     within = np.arange(int(counts.sum())) - np.repeat(np.cumsum(counts) - counts, counts)
     return (np.repeat(number, counts) + within).astype(np.int32)

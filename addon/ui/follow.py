@@ -17,6 +17,7 @@ from ..choices import AUTO
 from ..errors import InputError
 from ..progress import Progress, a_while
 from . import last_guard, under_way
+from .esc import EscKey
 from .labels import told
 from .translation import translated
 
@@ -201,15 +202,12 @@ class SKYLIGHT_OT_stop_light(bpy.types.Operator):
 
 CLASSES = (SKYLIGHT_OT_stop_light,)
 
-_keys: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
+_esc = EscKey("skylight.stop_light")
 
 
 def attach() -> None:
     """Let Esc stop the bake as long as there is one."""
-    known = bpy.context.window_manager.keyconfigs.addon
-    if known is not None:
-        keymap = known.keymaps.new("Window")
-        _keys.append((keymap, keymap.keymap_items.new("skylight.stop_light", "ESC", "PRESS")))
+    _esc.attach()
 
 
 def detach() -> None:
@@ -217,6 +215,4 @@ def detach() -> None:
     drop()
     if bpy.app.timers.is_registered(_tick):
         bpy.app.timers.unregister(_tick)
-    for keymap, item in _keys:
-        keymap.keymap_items.remove(item)
-    _keys.clear()
+    _esc.detach()

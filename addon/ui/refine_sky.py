@@ -15,6 +15,7 @@ import bpy
 from ..errors import InputError
 from ..progress import Progress, a_while, run
 from . import follow, last_guard, make_sky, operator, properties, staleness_handlers, under_way
+from .esc import EscKey
 from .labels import told
 
 QUALITY = "reference"
@@ -176,15 +177,12 @@ class SKYLIGHT_OT_stop_refining(bpy.types.Operator):
 
 CLASSES = (SKYLIGHT_OT_refine_sky, SKYLIGHT_OT_stop_refining)
 
-_keys: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
+_esc = EscKey("skylight.stop_refining")
 
 
 def attach() -> None:
     """Let Esc stop it as long as a sky is refined."""
-    known = bpy.context.window_manager.keyconfigs.addon
-    if known is not None:
-        keymap = known.keymaps.new("Window")
-        _keys.append((keymap, keymap.keymap_items.new("skylight.stop_refining", "ESC", "PRESS")))
+    _esc.attach()
 
 
 def detach() -> None:
@@ -192,6 +190,4 @@ def detach() -> None:
     drop()
     if bpy.app.timers.is_registered(_tick):
         bpy.app.timers.unregister(_tick)
-    for keymap, item in _keys:
-        keymap.keymap_items.remove(item)
-    _keys.clear()
+    _esc.detach()

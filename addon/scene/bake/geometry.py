@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ...progress import Progress, aside, is_between_events
 from ...transport.cells import Surfaces
 from ...transport.rays import Caster
+from ...transport.row_keys import row_keys
 
 STEP = 1e-5
 """Of an object's size: corners nearer than this to one another are one."""
@@ -289,9 +290,7 @@ def _solid(triangles: NDArray[np.float64]) -> tuple[NDArray[np.bool_], list[_She
         return np.empty(0, bool), []
     size = float(np.ptp(triangles.reshape(-1, 3), axis=0).max()) or 1.0
     where = np.round(triangles.reshape(-1, 3) / (STEP * size)).astype(np.int64)
-    odd = np.random.default_rng(7).integers(2**62, 2**63, 3).astype(np.uint64) | 1
-    keys = (where.astype(np.uint64) * odd).sum(axis=1, dtype=np.uint64)
-    corner = np.unique(keys, return_inverse=True)[1].reshape(-1, 3)
+    corner = np.unique(row_keys(where), return_inverse=True)[1].reshape(-1, 3)
     part = parts_of(corner)
     count = int(part.max()) + 1
     edges = np.sort(np.stack([corner, np.roll(corner, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ....node_groups import baked_light, modifiers, sky_bake
 from ... import tags
+from ...transport.row_keys import row_keys
 from . import surroundings
 from .geometry import STEP
 
@@ -254,10 +255,8 @@ def _brought(vertex, starts, slots, coarse, places, normals, materials) -> Fine:
 
 
 def _keys(rounded: NDArray[np.float64]) -> NDArray[np.uint64]:
-    """One number for each row, the same for the same rows (and for 1 in 10^8 pairs of millions)."""
-    odd = np.random.default_rng(7).integers(2**62, 2**63, rounded.shape[1]).astype(np.uint64) | 1
-    whole = rounded.astype(np.int64).astype(np.uint64)
-    mixed = (whole * odd).sum(axis=1, dtype=np.uint64)
+    """As `row_keys`, folded: in this order files hold the points of bakes."""
+    mixed = row_keys(rounded)
     return mixed ^ (mixed >> np.uint64(31))
 
 

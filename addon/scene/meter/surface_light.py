@@ -22,6 +22,7 @@ from ...transport.cells import Cells
 from ...transport.hits import THROUGH
 from ...transport.meter import Field
 from ...transport.radiosity import Radiosity
+from ...transport.row_keys import row_keys
 from ..bake.light import SceneLight
 from .calibration import Calibration
 from .lit_scene import LitScene
@@ -230,9 +231,8 @@ def _at_corners(cells: Cells, found: NDArray) -> NDArray[np.float32]:
     there and face the same way, by their areas; twice, for a patch errs by its rays' number."""
     places = np.round(cells.corners.reshape(-1, 3) / (1e-5 * (cells.size or 1.0))).astype(np.int64)
     ways = np.round(np.repeat(cells.normals, 3, axis=0) * 50.0).astype(np.int64)
-    rows = np.column_stack([places, ways, np.repeat(cells.kind, 3)]).astype(np.uint64)
-    odd = np.random.default_rng(7).integers(2**62, 2**63, rows.shape[1]).astype(np.uint64) | 1
-    _, number = np.unique((rows * odd).sum(axis=1, dtype=np.uint64), return_inverse=True)
+    rows = np.column_stack([places, ways, np.repeat(cells.kind, 3)])
+    _, number = np.unique(row_keys(rows), return_inverse=True)
     number = number.reshape(-1)
     area = np.maximum(np.repeat(cells.areas, 3), 1e-30)
     for _ in range(2):
