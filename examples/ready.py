@@ -25,6 +25,13 @@ SAMPLES = 16
 
 LATER = -7.0, 35.0
 """Another hour: how far the sun's elevation and azimuth are from the example's [degrees]."""
+LOWEST = -5.0
+"""The sun's elevation at another hour at least [degrees]: later our sky ends."""
+
+
+def later(elevation: float) -> float:
+    """Return the sun's elevation at another hour than that of an elevation [degrees]."""
+    return max(elevation + LATER[0], LOWEST)
 
 
 @dataclass(frozen=True)
@@ -47,7 +54,7 @@ class Ready:
     @property
     def hour(self) -> tuple[Path, float]:
         """The sky of another hour, and its sun's elevation [degrees]."""
-        return self.folder / "later.exr", self.elevation + LATER[0]
+        return self.folder / "later.exr", later(self.elevation)
 
     def figures(self, picture: np.ndarray) -> dict[str, float]:
         """Return the errors of a picture (h, w, 3): the whole, its colour and its luminance."""
@@ -92,10 +99,10 @@ def ready(name: str, example: Example, out: Path, size: tuple[int, int]) -> Read
 def _made(example: Example, out: Path, size: tuple[int, int]) -> tuple[Stage, dict]:
     """Write a scene's files; return its stage, and which of its pixels are judged."""
     with silenced(out / "blender.log"):
-        later = replace(
-            example, elevation=example.elevation + LATER[0], azimuth=example.azimuth + LATER[1]
+        hour = replace(
+            example, elevation=later(example.elevation), azimuth=example.azimuth + LATER[1]
         )
-        lit.light(later, out, size)
+        lit.light(hour, out, size)
         (out / "sky.exr").replace(out / "later.exr")
         stage = example.build(lit.light(example, out, size))
         stages.build(stage, referee.Today(), str(out / "sky.exr"))

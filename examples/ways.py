@@ -11,6 +11,7 @@ from pathlib import Path
 
 import bands
 import bpy
+import gpu
 import numpy as np
 import OpenEXR
 import pictures
@@ -234,6 +235,9 @@ def _bake_probes(scene: bpy.types.Scene) -> None:
     for other in scene.objects:
         other.select_set(other == probe)
     bpy.context.view_layer.objects.active = probe
+    if not hasattr(gpu, "init"):
+        raise RuntimeError("without a window this Blender has no GPU to bake light probes by")
+    gpu.init()  # a render does so of itself; the bake alone waits for ever
     bpy.ops.object.lightprobe_cache_bake(subset="ALL")
 
 
