@@ -33,12 +33,12 @@ USUAL = {"houses": 64, "cuts": 1, "materials": 8, "lamps": 0, "width": 120, "hou
 """A town where nothing is many: 64 boxes in 8 paints, 120 x 80 pixels."""
 
 GROWING = {
-    "vertices": ("cuts", (1, 4, 16)),
-    "objects": ("houses", (16, 64, 256)),
+    "vertices": ("cuts", (1, 4, 16, 51)),
+    "objects": ("houses", (16, 64, 256, 1024)),
     "pixels": ("width", (120, 240, 480)),
     "materials": ("materials", (4, 16, 64)),
-    "hours": ("hours", (1, 2, 4)),
-    "lamps": ("lamps", (1, 4, 16)),
+    "hours": ("hours", (1, 4, 24)),
+    "lamps": ("lamps", (1, 8, 64)),
 }
 """What grows: of which number of `USUAL`, over these."""
 

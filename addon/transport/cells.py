@@ -194,17 +194,18 @@ class Cells:
         return result
 
     def places(self, shares: NDArray, patches: NDArray) -> tuple[NDArray[np.float32], NDArray]:
-        """Return points (k, r, 3) on patches (k,) by shares (r, 3) of the unit cube, evenly, and
-        the cells (k, r) that they lie in (R. Osada et al. 2002, DOI 10.1145/571647.571648)."""
+        """Return points (k, r, 3) on patches (k,) by shares (r, 3) or (k, r, 3) of the unit cube,
+        evenly, and the cells (k, r) that they lie in (R. Osada et al. 2002, DOI
+        10.1145/571647.571648)."""
         order, total, before, own = self._order
         if len(self) == self.patches:
-            cells = np.repeat(self.first[patches][:, None], len(shares), axis=1)
+            cells = np.repeat(self.first[patches][:, None], shares.shape[-2], axis=1)
         else:
-            at = before[patches][:, None] + shares[:, 0] * own[patches][:, None]
+            at = before[patches][:, None] + shares[..., 0] * own[patches][:, None]
             cells = order[np.minimum(np.searchsorted(total, at), len(total) - 1)]
-        root, along = np.sqrt(shares[:, 1:2]), shares[:, 2:]
-        weight = np.concatenate([1.0 - root, root * (1.0 - along), root * along], axis=1)
-        found = np.einsum("rc,krcx->krx", weight.astype(np.float32), self.corners[cells])
+        root, along = np.sqrt(shares[..., 1:2]), shares[..., 2:]
+        weight = np.concatenate([1.0 - root, root * (1.0 - along), root * along], axis=-1)
+        found = np.einsum("...rc,...rcx->...rx", weight.astype(np.float32), self.corners[cells])
         return found, cells
 
 

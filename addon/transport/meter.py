@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from . import directions
 from .bands import COUNT
 from .hits import Space, gather
-from .radiosity import Direct, shine
+from .lamps import Direct, shine
 
 SPOT = 0.5
 """[degrees] from the axis of a luminance meter to the edge of what it sees."""

@@ -9,7 +9,6 @@ light, costs a look-up of the table alone.
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 from . import directions
 from .cells import Matter
 from .hits import Growing, Hits, Space, gather
+from .lamps import Direct, sent, shine
 
 ENOUGH = 2e-4
 """Sweeps end when the last changes no cell by more than this part of the mean."""
@@ -30,34 +30,12 @@ STARTS = 32
 COVER = 0.2
 """What lies so near before a place, of its cell's side, and along it, hides it: a rug, a door."""
 
+MOST_STARTS, LEAST_RAYS = 1024, 2**17
+"""Places on a patch, at most, that see a lamp; and rays from all to it, where there are few."""
+
 MOST = 200
 """Sweeps; and in a closed room as many times the light that comes first: where surfaces reflect all
 of it there is no end."""
-
-
-@dataclass
-class Direct:
-    """A lamp or the sun, whose light is cast with shadows.
-
-    ``spectrum`` (16,): irradiance / pi on a face that looks at it, at a distance of 1 where it is
-    not endlessly far.
-    """
-
-    place: NDArray[np.float64] | None
-    """(3,); None for one that is endlessly far."""
-    direction: NDArray[np.float64]
-    """(3,): towards the far one; else the axis that it shines along."""
-    spectrum: NDArray[np.float32]
-    cone: tuple[float, float] = (-1.0, -1.0)
-    """Cosines from the axis where a spot's light ends, and where it is whole."""
-    area: NDArray[np.float64] | None = None
-    """(2, 3): the half sides of one that is flat, which shines by the cosine to one side."""
-    radius: float = 0.0
-    """Of a ball."""
-
-    def seen_from(self, origin: NDArray[np.float64]) -> Direct:
-        """Return the same lamp where places are relative to an origin (3,)."""
-        return self if self.place is None else replace(self, place=self.place - origin)
 
 
 class Radiosity:
@@ -135,25 +113,80 @@ class Radiosity:
         self, lamps: list[Direct], starts: int = 16
     ) -> Generator[float, None, NDArray[np.float32]]:
         """Return the irradiance / pi (r, 16) that lamps cast on each side, in shadow or not, by so
-        many rays to each, yielding 0 to 1."""
+        many rays to each, and again by more where they differ, yielding 0 to 1.
+
+        As many more in all, those where they lessen the error of all that is sent on most (J.
+        Neyman 1934, DOI 10.2307/2342192). What one cell of a triangle tells of a beam that others
+        may have missed counts for all.
+        """
         rng = np.random.default_rng(2)
         result = np.zeros_like(self.E)
-        if not lamps:
+        if not lamps or not len(self.patch):
             return result
+        cells, sides = self.space.cells, np.arange(len(self.patch))
+        least = max(starts, min(MOST_STARTS // 4, LEAST_RAYS // len(sides)))
+        starts = 2 ** int(np.log2(least))
+        spread = np.zeros(len(sides))
+        for done in self._lit(lamps, starts, sides, rng, result, spread):
+            yield 0.5 * done
+        np.maximum.at(spread, *self._found_from(lamps, starts * len(sides) // 4, rng))
+        group = cells.triangle[cells.first][self.patch]
+        most = np.zeros(len(cells.level))
+        np.maximum.at(most, group, spread)
+        # What is once in a patch of which nothing was seen is as uncertain as the first that was.
+        areas = np.bincount(cells.patch, cells.areas, cells.patches)[self.patch]
+        need = areas * np.maximum(spread, most[group] / np.sqrt(starts))
+        share = need / max(float(need.sum()), 1e-30)
+        wanted = share * max(starts * len(sides), LEAST_RAYS) / starts
+        level = np.floor(np.log2(np.maximum(wanted, 1e-9)))
+        level = np.minimum(level, np.log2(max(MOST_STARTS // starts, 1))).astype(int)
+        for each in range(1, int(level.max()) + 1):
+            chosen = np.flatnonzero(level == each)
+            for done in self._lit(lamps, starts * 2**each, chosen, rng, result, spread):
+                yield 0.5 + 0.5 * (each - 1 + done) / int(level.max())
+        return result
+
+    def _found_from(self, lamps, rays, rng) -> tuple[NDArray, NDArray]:
+        """Sides (k,) that so many rays from lamps meet, and what light (k,) each ray brings: a thin
+        beam is a small part of each side that it falls on, but of the lamp's light as any other."""
+        space, cells = self.space, self.space.cells
+        each = max(rays, LEAST_RAYS // 2) // len(lamps)
+        side_of = np.full(space.rows, -1)
+        side_of[self.row] = np.arange(len(self.row))
+        areas = np.bincount(cells.patch, cells.areas, cells.patches)[self.patch]
+        found: list[tuple[NDArray, NDArray]] = []
+        for lamp in lamps:
+            starts, ways, flux = sent(lamp, cells, each, rng)
+            met = side_of[space.trace(starts, ways)[0]]
+            met = met[met >= 0]
+            found.append((met, lamp.spectrum.mean() * flux / np.maximum(areas[met], 1e-30)))
+        sides, light = zip(*found, strict=True)
+        return np.concatenate(sides), np.concatenate(light)
+
+    def _lit(self, lamps, starts, sides, rng, result, spread) -> Iterator[float]:
+        """Find the light (r, 16) of lamps on some sides (k,), and by how much single places differ
+        (r,), from places that are others on every side: else all would miss what falls between."""
         shares = _even(starts)
-        counts = self.counts[:, :starts]
-        weight = np.where(counts.any(axis=1)[:, None], counts, True).astype(np.float32)
-        weight /= weight.sum(axis=1, keepdims=True)
         step = max(1, self.space.chunk // starts)
-        for first in range(0, len(self.patch), step):
-            part = slice(first, first + step)
-            places, normals, _ = self._starts(part, shares)
-            shape = places.shape[:2]
+        for first in range(0, len(sides), step):
+            part = sides[first : first + step]
+            moved = ((shares + rng.random((len(part), 1, 3))) % 1.0).astype(np.float32)
+            places, normals, at = self._starts(part, moved)
+            weight = np.ones(places.shape[:2], np.float32)
+            covered = np.flatnonzero(~self.counts[part].all(axis=1))
+            if len(covered):
+                reach = COVER * np.sqrt(self.space.cells.areas[at[covered]])
+                hidden = np.logical_or(*self.space.hidden(places[covered], normals[covered], reach))
+                weight[covered] = ~hidden | hidden.all(axis=1)[:, None]
+            light, levels = np.zeros((len(part), result.shape[1]), np.float32), 0.0
             for lamp in lamps:
                 lit = shine(self.space, lamp, places.reshape(-1, 3), normals.reshape(-1, 3), rng)
-                result[part] += np.einsum("nsk,ns->nk", lit.reshape(*shape, -1), weight[part])
-                yield min(1.0, (first + step) / len(self.patch))
-        return result
+                lit = lit.reshape(*places.shape[:2], -1)
+                light += (weight[:, None] @ lit)[:, 0]
+                levels = levels + lit.mean(axis=2)
+            result[part] = light / weight.sum(axis=1, keepdims=True)
+            spread[part] = np.std(levels, axis=1, where=weight > 0.0)
+            yield min(1.0, (first + step) / len(sides))
 
     def solve(
         self, sky: NDArray[np.float32], direct: NDArray[np.float32], leaks: bool = True
@@ -239,44 +272,3 @@ def _even(count: int) -> NDArray[np.float64]:
     x^4 = x + 1 (M. Roberts 2018)."""
     steps = 1.2207440846057596 ** -np.arange(1.0, 4.0)
     return (0.5 + (np.arange(count)[:, None] + 1.0) * steps) % 1.0
-
-
-def shine(
-    space: Space,
-    lamp: Direct,
-    starts: NDArray[np.float32],
-    normals: NDArray[np.float32],
-    rng: np.random.Generator,
-) -> NDArray[np.float32]:
-    """Return the irradiance / pi (n, 16) of a lamp on points (n, 3), by one shadow ray each."""
-    result = np.zeros((len(starts), len(lamp.spectrum)), np.float32)
-    if lamp.place is None:
-        ways = np.broadcast_to(np.asarray(lamp.direction, np.float32), starts.shape)
-        far, strength = None, np.ones(len(starts), np.float32)
-    else:
-        place = np.broadcast_to(lamp.place, starts.shape)
-        if lamp.area is not None:
-            place = place + (rng.random((len(starts), 2)) * 2.0 - 1.0) @ lamp.area
-        to = place - starts
-        far = np.linalg.norm(to, axis=1)
-        ways = (to / np.maximum(far, 1e-9)[:, None]).astype(np.float32)
-        strength = 1.0 / np.maximum(far, max(lamp.radius, 1e-6)) ** 2
-        axis = -(ways @ np.asarray(lamp.direction, np.float32))
-        if lamp.area is not None:
-            strength *= np.maximum(axis, 0.0)
-        elif lamp.cone[1] > -1.0:
-            end, whole = lamp.cone
-            t = np.clip((axis - end) / max(whole - end, 1e-6), 0.0, 1.0)
-            strength *= t * t * (3.0 - 2.0 * t)
-    strength = strength * np.einsum("nk,nk->n", ways, normals)
-    lit = np.flatnonzero(strength > 0.0)
-    if not len(lit):
-        return result
-    ways = np.ascontiguousarray(ways[lit])
-    rows, odd, passed = space.trace(starts[lit], ways, None if far is None else far[lit])
-    seen = (rows >= space.sky) & (rows < space.lost)
-    light = np.where(seen, strength[lit], 0.0).astype(np.float32)[:, None] * lamp.spectrum
-    if len(odd):
-        light[odd] *= np.array(space.filters)[passed]
-    result[lit] = light
-    return result

@@ -8,7 +8,7 @@ from spectral_skylight.addon import progress, tags
 from spectral_skylight.addon.scene.bake import scene_bake
 from spectral_skylight.addon.scene.bake.light import Light
 from spectral_skylight.addon.transport.bands import COUNT
-from spectral_skylight.addon.transport.radiosity import Direct
+from spectral_skylight.addon.transport.lamps import Direct
 from spectral_skylight.node_groups import baked_light
 from spectral_skylight.tests import faces
 from spectral_skylight.tests.buildings import colours

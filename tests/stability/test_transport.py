@@ -13,7 +13,7 @@ from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.scene.bake import geometry, scene_bake, storage
 from spectral_skylight.addon.scene.bake.light import Light
 from spectral_skylight.addon.transport.bands import COUNT
-from spectral_skylight.addon.transport.radiosity import Direct
+from spectral_skylight.addon.transport.lamps import Direct
 from spectral_skylight.node_groups import baked_light
 from spectral_skylight.tests import buildings, faces
 from spectral_skylight.tests.lanes import newest
@@ -215,13 +215,14 @@ def with_hole(half, z=1.0):
 
 
 def test_a_sunbeam_through_a_small_hole(keep):
-    """What comes in is the hole's area, and is taken up or goes out again: energy is kept; but
-    16 rays to the sun from a cell miss a beam that is narrower than it."""
+    """What comes in is the hole's area, and is taken up or goes out again: energy is kept, though a
+    cell has four times the beam's side. A beam of a hundredth of the room is found, but its light
+    is known by the few places that lie in it."""
     room = box(inwards=True)
     walls = room[~np.all(room[..., 2] > 0.99, axis=1)]
     sun = Direct(None, np.array([0.0, 0.0, 1.0]), np.ones(COUNT, np.float32))
     comes = {}
-    for half in (0.3, 0.03):
+    for half in (0.3, 0.03, 0.01):
         corners = np.concatenate([walls, with_hole(half)])
         found = radiosity(corners, matter([0.5]), solid=False, cells=2000)
         lit = run(found.lit_by([sun]))
@@ -233,14 +234,18 @@ def test_a_sunbeam_through_a_small_hole(keep):
         out = ((rows >= found.space.sky) & (rows < found.space.lost)).mean(axis=1)
         sent = 0.5 * light(found) * areas
         kept = (sent + sent * out).sum() / flux  # half of it is taken up, half sent on
-        assert kept == pytest.approx(1.0, abs=0.02 if half == 0.3 else 0.15)
+        if half > 0.01:
+            assert kept == pytest.approx(1.0, abs=0.02 if half == 0.3 else 0.15)
         comes[half] = flux / (4.0 * half**2)
-    assert comes[0.3] == pytest.approx(1.0, abs=0.05)
-    assert 0.3 < comes[0.03] < 2.0
+    assert comes[0.3] == pytest.approx(1.0, abs=0.01)
+    # 12 % of a cell and 256 to 1,024 places on each: by chance 3 % off, and twice that is allowed.
+    assert comes[0.03] == pytest.approx(1.0, abs=0.07)
+    assert comes[0.01] > 0.0
     keep(
-        "the sun through a hole of 60 and of 6 cm in a room of 2 m, cells of 14 cm",
-        f"{comes[0.3]:.2f} and {comes[0.03]:.2f} times the light that comes in",
-        "halves cells where light changes fast, but where no ray has met a beam it is not known of",
+        "the sun through a hole of 60, 6 and 2 cm in a room of 2 m, cells of 25 cm",
+        f"{comes[0.3]:.2f}, {comes[0.03]:.2f} and {comes[0.01]:.2f} times the light that comes in",
+        "casts more rays to the sun where a patch is lit in part, up to 1,024, and rays from the "
+        "sun to find thin beams; of one under a hundredth of the room it finds that it is there",
     )
 
 

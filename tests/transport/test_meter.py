@@ -14,8 +14,8 @@ from spectral_skylight.addon.transport import directions
 from spectral_skylight.addon.transport.bands import COUNT
 from spectral_skylight.addon.transport.cells import ANGLES, Cells, Surfaces
 from spectral_skylight.addon.transport.hits import Space
+from spectral_skylight.addon.transport.lamps import Direct
 from spectral_skylight.addon.transport.meter import Field
-from spectral_skylight.addon.transport.radiosity import Direct
 from spectral_skylight.tests.transport.rooms import DARK, box, matter, radiosity
 
 RAYS = 65536

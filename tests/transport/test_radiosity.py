@@ -8,7 +8,7 @@ from spectral_skylight.addon.transfer import glass
 from spectral_skylight.addon.transport.bands import COUNT
 from spectral_skylight.addon.transport.cells import ANGLES
 from spectral_skylight.addon.transport.hits import gather
-from spectral_skylight.addon.transport.radiosity import Direct
+from spectral_skylight.addon.transport.lamps import Direct
 from spectral_skylight.tests.transport.rooms import (
     SKY,
     WHITE,

@@ -52,6 +52,8 @@ def _lost(fine: Fine, cut: NDArray[np.bool_], seen: NDArray[np.bool_]) -> NDArra
     middle: of fewer cells (f,) that may be ``seen``, among all that hang together on a side."""
     face, count = fine.face, len(fine.places)
     whole = np.flatnonzero(~cut & ~cut[fine.following])
+    if not len(whole):  # nothing tells which side is the lesser
+        return np.zeros_like(cut)
     pieces = np.column_stack(
         [count + face[whole], fine.point[whole], fine.point[fine.following[whole]]]
     )

@@ -23,8 +23,9 @@ from .storage import Fine
 MOST = 10_000_000
 """Vertices beyond which an object is not baked."""
 
-POINTS = 400_000
-"""In all objects together, beyond which none is divided further."""
+POINTS, MORE = 400_000, 100_000
+"""In all objects together, beyond which none is divided further; but by so many that there are more
+than faces: a mesh of many vertices leaves some for the ground that it stands on."""
 
 START, SMALL = 1.0 / 48.0, 1.0 / 300.0
 """Patches' and cells' length, of the scene's size: at first at most so long, for what is smaller
@@ -116,11 +117,12 @@ def refine(
     managed = np.concatenate([plan.coarse.managed for plan in plans])
     by_size = np.ceil(np.log2(np.maximum(lengths / (LONGEST * around.size), 1.0)))
     length = LEAST * around.size
+    enough = max(POINTS, len(lengths) + MORE)
     while True:
         most = np.floor(np.log2(np.maximum(lengths / length, 1.0)))
         limited = np.minimum(np.maximum(by_light, by_size), np.minimum(most, sky_bake.LEVELS))
         limited = np.where(managed, limited, 0).astype(int)
-        if (4.0**limited).sum() <= POINTS or length > around.size:
+        if (4.0**limited).sum() <= enough or length > around.size:
             break
         length *= 1.25
     ends = np.cumsum([len(plan.levels) for plan in plans])

@@ -17,7 +17,7 @@ from ...transfer.matrices import Transfer, transfer
 from ...transport import directions
 from ...transport.bands import COUNT
 from ...transport.cells import Matter
-from ...transport.radiosity import Direct
+from ...transport.lamps import Direct
 from ..lights.lighting import Lights
 from . import matter, sources
 

@@ -18,7 +18,7 @@ from ...transfer.ground import split
 from ...transfer.matrices import Transfer
 from ...transport import directions
 from ...transport.bands import Bands, spline
-from ...transport.radiosity import Direct
+from ...transport.lamps import Direct
 from ..lights.lighting import Lights
 from ..lights.user_lamps import Lamps, luminance
 from ..world import hdri as worlds
