@@ -115,7 +115,7 @@ class Radiosity:
         """Return the irradiance / pi (r, 16) that lamps cast on each side, in shadow or not, by so
         many rays to each, and again by more where they differ, yielding 0 to 1.
 
-        As many more in all, those where they lessen the error of all that is sent on most (J.
+        Half as many more in all, where they lessen the error of all that is sent on most (J.
         Neyman 1934, DOI 10.2307/2342192). What one cell of a triangle tells of a beam that others
         may have missed counts for all.
         """
@@ -129,7 +129,7 @@ class Radiosity:
         spread = np.zeros(len(sides))
         for done in self._lit(lamps, starts, sides, rng, result, spread):
             yield 0.5 * done
-        np.maximum.at(spread, *self._found_from(lamps, starts * len(sides) // 4, rng))
+        np.maximum.at(spread, *self._found_from(lamps, starts * len(sides) // 8, rng))
         group = cells.triangle[cells.first][self.patch]
         most = np.zeros(len(cells.level))
         np.maximum.at(most, group, spread)
@@ -137,7 +137,7 @@ class Radiosity:
         areas = np.bincount(cells.patch, cells.areas, cells.patches)[self.patch]
         need = areas * np.maximum(spread, most[group] / np.sqrt(starts))
         share = need / max(float(need.sum()), 1e-30)
-        wanted = share * max(starts * len(sides), LEAST_RAYS) / starts
+        wanted = share * max(starts * len(sides) / 2, LEAST_RAYS) / starts
         level = np.floor(np.log2(np.maximum(wanted, 1e-9)))
         level = np.minimum(level, np.log2(max(MOST_STARTS // starts, 1))).astype(int)
         for each in range(1, int(level.max()) + 1):
@@ -179,11 +179,12 @@ class Radiosity:
                 hidden = np.logical_or(*self.space.hidden(places[covered], normals[covered], reach))
                 weight[covered] = ~hidden | hidden.all(axis=1)[:, None]
             light, levels = np.zeros((len(part), result.shape[1]), np.float32), 0.0
+            mean = np.full(result.shape[1], 1.0 / result.shape[1], np.float32)
             for lamp in lamps:
                 lit = shine(self.space, lamp, places.reshape(-1, 3), normals.reshape(-1, 3), rng)
                 lit = lit.reshape(*places.shape[:2], -1)
                 light += (weight[:, None] @ lit)[:, 0]
-                levels = levels + lit.mean(axis=2)
+                levels = levels + lit @ mean
             result[part] = light / weight.sum(axis=1, keepdims=True)
             spread[part] = np.std(levels, axis=1, where=weight > 0.0)
             yield min(1.0, (first + step) / len(sides))
