@@ -21,7 +21,7 @@ from ..spectra.grid import WAVELENGTHS
 from .atmosphere import EARTH_RADIUS, Medium
 from .path_lengths import columns_to_space, distances
 from .phase_functions import draw_haze, draw_rayleigh, haze_density, haze_phase, rayleigh_phase
-from .scattering import transmittance
+from .scattering import direction, transmittance
 
 HEROES = np.searchsorted(WAVELENGTHS, [390.0, 430.0, 480.0, 540.0, 620.0, 720.0])
 """Indices of the wavelengths that turns are drawn for: evenly apart in the depth of air."""
@@ -29,8 +29,12 @@ HEROES = np.searchsorted(WAVELENGTHS, [390.0, 430.0, 480.0, 540.0, 620.0, 720.0]
 ORDERS = ("first", "second", "higher", "ground")
 """What light is sorted into: scattered once, twice, more often, and all that touched the ground."""
 
-GUIDED_UNDER = 0.03
-"""Sine of the sun's elevation under which most air is in shadow, and ways seek the light."""
+SOUGHT = -6.0, -2.0
+"""[degrees] of the suns whose light guided ways seek, whatever the sun is that shines.
+
+Turns are weighed by the chance that any of them had (the balance heuristic again), so that ways are
+the same for every low sun: what chance leaves out of a sky changes smoothly as the sun sinks.
+"""
 
 _TURNS = 100  # ways end by chance long before
 
@@ -42,7 +46,7 @@ def follow(
     ways: int,
     random: np.random.Generator,
     last: int | None = None,
-    guided: bool | None = None,
+    guided: bool = False,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the mean radiance of random ways, and the mean square of what single ways brought.
 
@@ -59,7 +63,7 @@ def follow(
     last
         Scatterings after which ways end, without touching the ground; None: no end.
     guided
-        Whether ways seek the light, which pays when the sun is low; None: under `GUIDED_UNDER`.
+        Whether ways seek the light, which pays when the sun is low; of one sun for all ways.
 
     Returns
     -------
@@ -69,10 +73,8 @@ def follow(
     count = len(directions) * ways
     brought = np.zeros((count, len(ORDERS), WAVELENGTHS.size))
     spread = (np.arange(count) % ways + random.random(count)) / ways
-    guided = bool(np.max(sun[..., 2]) < GUIDED_UNDER) if guided is None else guided
-    way = _Ways(matter, sun, np.repeat(directions, ways, axis=0), random)
-    if guided:
-        way.guide = _Guide(matter)
+    guide = _Guide(matter, sun) if guided else None
+    way = _Ways(matter, sun, np.repeat(directions, ways, axis=0), random, guide)
     for turn in range(_TURNS):
         way.fly(spread if turn == 0 else random.random(len(way.index)), turn > 0)
         if last is not None:
@@ -100,22 +102,29 @@ _OF_EACH = (
 class _Ways:
     """Many ways of light at once; arrays over those still under way, (p, ...).
 
-    ``weight`` (p, 81): what would come back from here per radiance; ``odds`` (p, 6): how likely
-    each hero was to draw this way, relative to the mean of all six.
+    ``weight`` (p, 81): what would come back from here per radiance; ``odds`` (p, k): how likely
+    each hero was to draw this way, relative to the mean of all; where ways are guided, each hero
+    with each of the guide's suns.
     """
 
     def __init__(
-        self, matter: Medium, sun: NDArray, direction: NDArray, random: np.random.Generator
+        self,
+        matter: Medium,
+        sun: NDArray,
+        direction: NDArray,
+        random: np.random.Generator,
+        guide: _Guide | None,
     ) -> None:
         count = len(direction)
-        self.guide: _Guide | None = None
+        self.guide = guide
         self.sun = np.broadcast_to(sun, (count, 3))
         self.matter, self.random, self.direction = matter, random, direction
         self.index = np.arange(count)
         self.position = np.tile([0.0, 0.0, EARTH_RADIUS], (count, 1))
         self.weight = np.ones((count, WAVELENGTHS.size))
-        self.odds = np.ones((count, HEROES.size))
-        self.hero = random.integers(HEROES.size, size=count)
+        kinds = HEROES.size * (1 if guide is None else len(guide.suns))
+        self.odds = np.ones((count, kinds))
+        self.hero = random.integers(kinds, size=count)
         self.columns = np.zeros((count, 5))
         self.scatterings = np.zeros(count, dtype=int)
         self.touched = np.zeros(count, dtype=bool)
@@ -124,7 +133,7 @@ class _Ways:
         # A ray's segments: down through the shells, (nothing under its lowest point,) and up.
         self.density = np.concatenate([matter.density[::-1], np.zeros((1, 5)), matter.density])
         self.scattering = matter.scattering[:2]
-        self.heroes = self.scattering[:, HEROES]
+        self.heroes = np.repeat(self.scattering[:, HEROES], kinds // HEROES.size, axis=1)
 
     def keep(self, chosen: NDArray[np.bool_]) -> None:
         """Let only some go on."""
@@ -200,27 +209,31 @@ class _Ways:
         """Choose as `_unguided`, with every segment counting for more the more sun it has."""
         middle = 0.5 * (marks[:, 1:] + marks[:, :-1])
         lowest = np.einsum("pk,pk->p", self.position, self.position) - start**2
-        height = np.einsum("pk,pk->p", self.position, self.sun)[:, None]
-        toward = np.einsum("pk,pk->p", self.direction, self.sun)[:, None]
-        height = (height + (middle - start[:, None]) * toward) / np.sqrt(
-            np.maximum(lowest[:, None] + middle**2, 1.0)
-        )
+        radius = np.sqrt(np.maximum(lowest[:, None] + middle**2, 1.0))
+        height = (self.position @ guide.suns.T)[:, :, None]
+        toward = (self.direction @ guide.suns.T)[:, :, None]
+        height = (height + (middle - start[:, None])[:, None] * toward) / radius[:, None]
         worth = guide.worth(height)
-        # Of turning within each segment, and (last) on the ground, for every hero.
-        depths = np.cumsum(lengths[:, None, :] * (self.heroes.T @ self.density[:, :2].T), axis=2)
+        # Of turning within each segment, and (last) on the ground, for every hero, then every sun.
+        count = len(guide.suns)
+        heroes = self.heroes[:, ::count].T
+        depths = np.cumsum(lengths[:, None, :] * (heroes @ self.density[:, :2].T), axis=2)
         passed = np.exp(-depths)
         stopped = -np.diff(passed, axis=2, prepend=1.0)
         down = np.where(grounding, guide.floor, 0.0)
-        total = np.einsum("phs,ps->ph", stopped, worth) + down[:, None] * passed[:, :, -1]
+        total = np.matmul(stopped, worth.transpose(0, 2, 1))
+        total += (down[:, None] * passed[:, :, -1])[..., None]
+        total = total.reshape(len(start), -1)
         rows = np.arange(len(start))
-        sums = np.cumsum(stopped[rows, self.hero] * worth, axis=1)
+        hero, sought = np.divmod(self.hero, count)
+        sums = np.cumsum(stopped[rows, hero] * worth[rows, sought], axis=1)
         drawn = chance * total[rows, self.hero]
         self.grounded = (drawn >= sums[:, -1]) & grounding
         segment = np.minimum((sums <= drawn[:, None]).sum(axis=1), sums.shape[1] - 1)
         step = steps[rows, segment]
         within = -np.log1p(self.random.random(len(rows)) * np.expm1(-step))
-        factor = np.where(self.grounded, down, worth[rows, segment])
-        self.odds *= factor[:, None] / np.maximum(total, 1e-300)
+        factor = np.where(self.grounded[:, None], down[:, None], worth[rows, :, segment])
+        self.odds *= np.tile(factor, HEROES.size) / np.maximum(total, 1e-300)
         return segment, np.clip(within / np.maximum(step, 1e-300), 0.0, 1.0)
 
     def sunlight(self) -> NDArray[np.float64]:
@@ -283,10 +296,12 @@ class _Ways:
 class _Guide:
     """How much sun there is, by shell and height of the sun: where ways had better turn."""
 
-    floor = 0.03
+    floor = 0.01
     """Worth of a turn in the shadow, from where a way may still find light."""
 
-    def __init__(self, matter: Medium) -> None:
+    def __init__(self, matter: Medium, sun: NDArray) -> None:
+        longitude = np.arctan2(sun[1], sun[0])
+        self.suns = direction(np.radians(SOUGHT), longitude)
         self.heights = np.linspace(-0.3, 0.3, 121)
         middle = EARTH_RADIUS + 0.5 * (matter.edges[1:] + matter.edges[:-1])
         columns = columns_to_space(matter, middle[:, None], self.heights)
@@ -295,7 +310,7 @@ class _Guide:
         self.table = np.concatenate([table[::-1], nothing, table])  # by segment of a ray
 
     def worth(self, height: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the worth of turns in every segment (p, s), by the sine of the sun's height."""
+        """Return the worth of turns in every segment (p, n, s), by the sine of the sun's height."""
         step = self.heights[1] - self.heights[0]
         place = (height - self.heights[0]) / step + 0.5
         place = np.clip(place, 0, self.heights.size - 1).astype(np.intp)

@@ -261,10 +261,21 @@ def _follow_all(
     """
     together = max(1, 2048 // ways)  # directions: more ways than that leave the processor's cache
 
+    share = _guided_share(float(sun[2]))
+
     def part(first: int) -> tuple[NDArray, NDArray]:
-        # A stream of its own for each part: who works on it when does not matter.
-        random = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, first])))
-        return follow(matter, sun, views[first : first + together], ways, random, last)
+        mean, variance = np.zeros(()), np.zeros(())
+        for guided, weight in ((False, 1.0 - share), (True, share)):
+            if weight:
+                # A stream of its own for each part: who works on it when does not matter.
+                stream = np.random.SeedSequence([seed, first, 1] if guided else [seed, first])
+                random = np.random.Generator(np.random.PCG64(stream))
+                several = views[first : first + together]
+                found, square = follow(matter, sun, several, ways, random, last, guided)
+                found = found[1:]
+                spread = np.maximum(square - found.sum(axis=0) ** 2, 0.0)
+                mean, variance = mean + weight * found, variance + weight**2 * spread
+        return mean, variance / max(ways - 1, 1)
 
     starts = range(0, len(views), together)
     workers = os.cpu_count() or 1
@@ -274,9 +285,20 @@ def _follow_all(
             step = Progress(len(done) / len(starts), "sky")
             done += yield from aside(step, list, pool.map(part, starts[k : k + workers]))
             yield step
-    means, squares = zip(*done, strict=True)
-    mean, square = np.concatenate(means, axis=1)[1:], np.concatenate(squares)
-    return mean, np.maximum(square - mean.sum(axis=0) ** 2, 0.0) / max(ways - 1, 1)
+    means, variances = zip(*done, strict=True)
+    return np.concatenate(means, axis=1), np.concatenate(variances)
+
+
+GUIDED_UNDER, UNGUIDED_OVER = 0.03, 0.06
+"""Sines of the sun's elevation under which most air is in shadow, and ways seek the light, and over
+which they do not; between the two both kinds of ways are followed, so that their noise changes
+gradually and a film of a rising sun does not flicker."""
+
+
+def _guided_share(height: float) -> float:
+    """What guided ways count for, from 0 to 1, under a sun of this sine of elevation."""
+    s = min(max((UNGUIDED_OVER - height) / (UNGUIDED_OVER - GUIDED_UNDER), 0.0), 1.0)
+    return s * s * (3.0 - 2.0 * s)
 
 
 def row_elevations(rows: int) -> NDArray[np.float64]:

@@ -60,6 +60,19 @@ def test_errors_are_the_scatter_between_seeds():
     assert np.all(scatter < 1.6 * stated) and np.all(scatter > 0.4 * stated)
 
 
+@pytest.mark.parametrize("elevation", [-3.0, 2.3])
+def test_noise_changes_smoothly_as_the_sun_sinks(elevation):
+    """The same ways serve all low suns, and fade gradually into those of higher ones: halfway
+    between two suns a sky is the mean of theirs to far less than its own noise."""
+    quality = Quality(once=(8, 5), more=(6, 5), ways=64, shells=20)
+    before, sky, after = (
+        simulate(elevation + step, quality=quality, cached=False) for step in (-0.1, 0.0, 0.1)
+    )
+    between = 0.5 * (before.more.sum(axis=0) + after.more.sum(axis=0))
+    left = np.abs(between - sky.more.sum(axis=0)) / sky.error
+    assert np.median(left) < 0.05  # independent noise leaves 0.8
+
+
 def test_more_ways_converge():
     """Four times the ways, half the error."""
     few, many = (
