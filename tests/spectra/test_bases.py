@@ -68,15 +68,6 @@ def test_light_that_is_no_basis_is_refused(tmp_path, spectra, message):
         bases.measured(write(tmp_path / "light.csv", spectra))
 
 
-def test_light_must_cover_what_the_eye_sees(tmp_path):
-    short = WAVELENGTHS[:50]  # to 625 nm
-    with pytest.raises(InputError, match="covers 380-625 nm"):
-        read_light(write(tmp_path / "short.csv", np.ones((1, 50)), short))
-    gap = np.r_[WAVELENGTHS[:20], WAVELENGTHS[26:]]
-    with pytest.raises(InputError, match="a gap from 475 to 510 nm"):
-        read_light(write(tmp_path / "gap.csv", np.ones((1, gap.size)), gap))
-
-
 def test_unknown_basis_names_the_choices():
     with pytest.raises(InputError, match="rayleigh, daylight, atmosphere or 'measured FILE.csv'"):
         bases.basis("fourier", observer())
