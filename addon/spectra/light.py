@@ -66,7 +66,7 @@ def read_light(path: str | Path) -> Light:
     dark = np.flatnonzero((luminance <= 0) | below)
     if dark.size:
         problem = "holds no light" if luminance[dark[0]] <= 0 else "is negative"
-        raise InputError(table.place(column=dark[0]), problem, "remove the column")
+        raise InputError(table.place(column=int(dark[0])), problem, "remove the column")
     return Light(table.path, table.names, values / luminance[:, None])
 
 

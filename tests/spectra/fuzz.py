@@ -47,7 +47,7 @@ class Fault(NamedTuple):
 
 def seeds() -> dict[str, tuple[str, dict[str, bytes]]]:
     """Return valid files by kind: which of them is read, and the bytes of all that belong to it."""
-    from spectral_skylight.tests.spectra import test_formats as published
+    from spectral_skylight.tests.spectra import published
 
     found = {kind: (name, {name: content}) for kind, (name, content) in kinds.KNOWN.items()}
     found["IGDB"] = ("a.dat", {"a.dat": kinds.igdb()})

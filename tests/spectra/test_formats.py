@@ -1,9 +1,5 @@
 """Files of reflectances as their publishers write them, made here by what they publish."""
 
-import json
-import random
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -17,159 +13,21 @@ from spectral_skylight.addon.spectra.reflectance import (
     read_reflectances,
     split_assignment,
 )
-from spectral_skylight.addon.spectra.table import NoSpectra
-
-X = np.arange(350.0, 1001.0, 5.0)
-RISING = 0.1 + 0.7 * (X - 350) / 650
-FALLING = 0.9 - 0.7 * (X - 350) / 650
+from spectral_skylight.tests.spectra.published import (
+    FALLING,
+    PUBLISHED,
+    RISING,
+    X,
+    cgats,
+    envi,
+    igsdb,
+    splib07,
+)
 
 
 def on_grid(values):
     """Straight lines are brought to the grid as they are."""
     return np.interp(WAVELENGTHS, X, values)
-
-
-def splib07(folder, values=RISING, name="Brick GDS350 Dkred  ASDFRa AREF", wavelengths=X):
-    """A spectrum of the USGS in its chapter, and the wavelengths above it."""
-    chapter = folder / "ASCIIdata_splib07a" / "ChapterA_ArtificialMaterials"
-    chapter.mkdir(parents=True, exist_ok=True)
-    for kind, nm in (("ASD_0.35-2.5_microns", wavelengths), ("BECK_Beckman_0.2-3.0", X * 2)):
-        rows = [f"   {x / 1000:.6f}" for x in nm]
-        title = f" splib07a Record=1: Wavelengths {kind}"
-        (chapter.parent / f"splib07a_Wavelengths_{kind}.txt").write_text("\n".join([title, *rows]))
-    path = chapter / "splib07a_Brick_GDS350_Dkred_ASDFRa_AREF.txt"
-    path.write_text("\n".join([f" splib07a Record=12: {name}", *(f" {v:.7e}" for v in values)]))
-    return path
-
-
-def envi(folder, spectra, names=("one", "two"), kind=4, order=0, factor=1.0, more="", nm=False):
-    """A spectral library, wavelengths in µm."""
-    path = folder / "urban.sli"
-    kinds = {2: "i2", 4: "f4", 5: "f8"}
-    data = (np.array(spectra) * factor).round(0 if kind == 2 else 12)
-    path.write_bytes(data.astype("<>"[order] + kinds[kind]).tobytes())
-    nm = X if nm else X / 1000
-    path.with_suffix(".hdr").write_text(
-        f"ENVI\ndescription = {{\n  Made by a test, for = signs}}\nsamples = {X.size}\n"
-        f"lines   = {len(spectra)}\nbands   = 1\nheader offset = 0\n"
-        f"file type = ENVI Spectral Library\ndata type = {kind}\ninterleave = bsq\n"
-        f"byte order = {order}\nwavelength units = {'Nanometers' if nm is X else 'Micrometers'}\n"
-        + (f"reflectance scale factor = {factor}\n" if factor else "")
-        + f"spectra names = {{\n {', '.join(names)}}}\n"
-        + f"wavelength = {{\n {', '.join(f'{x:.6f}' for x in nm)}}}\n{more}"
-    )
-    return path
-
-
-def ecostress(folder, values=RISING, y="Reflectance (percent)", scale=100.0):
-    """A spectrum that descends from the infrared, as those of JHU do."""
-    rows = [f"{x / 1000:.4f}\t{scale * v:.4f}" for x, v in zip(X[::-1], values[::-1], strict=True)]
-    path = folder / "manmade.road.asphalt.solid.all.0095uuuasp.jhu.becknic.spectrum.txt"
-    head = (
-        "Name: Construction Asphalt\nType: manmade\nClass: Road\nSubclass: none\n"
-        "Sample No.: 0095UUUASP\nOwner: JHU\nDescription: Dark: and tarry.\nOn two lines.\n"
-        f"X Units: Wavelength (micrometers)\nY Units:{y}\nFirst X Value: 1.0\nLast X Value:  0.35\n"
-        f"Number of X Values: {len(rows)}\nAdditional Information: none\n\n"
-    )
-    path.write_text(head + "\n".join(["14.0000\t 999.0", "2.0800\t 5.0", "2.0800\t 6.0", *rows]))
-    return path
-
-
-def igsdb(folder, values=RISING):
-    """A product with wavelengths in µm to the far infrared, and one null."""
-    rows = [
-        {"wavelength": x / 1000, "T": v, "Rf": 0.1, "Rb": 0.2}
-        for x, v in zip(X, values, strict=True)
-    ]
-    rows += [{"wavelength": 55.556, "T": None, "Rf": 0.5, "Rb": 0.5}]
-    path = folder / "product_1.json"
-    product = {"name": "Green 60%T", "spectral_data": {"spectral_data": rows}}
-    path.write_text(json.dumps(product), encoding="utf-8")
-    return path
-
-
-def matlab(folder, saved=None, **variables):
-    from scipy.io import savemat
-
-    path = folder / "sur_house.mat"
-    savemat(path, variables, **(saved or {}))
-    return path
-
-
-def psychtoolbox(folder, values=RISING, labels=False, **saved):
-    padded = np.zeros((X.size + 4, 2))
-    padded[2:-2] = np.column_stack([values, FALLING])
-    grid = np.array([[X[0] - 10, 5, X.size + 4]], dtype=np.uint16)
-    more = {"labels_house": np.array(["roof", "Öl"], dtype=object)} if labels else {}
-    return matlab(folder, saved, sur_house=padded, S_house=grid, note="text", **more)
-
-
-def isetcam(folder, values=RISING):
-    data = np.column_stack([values, FALLING])
-    return matlab(folder, data=data, wavelength=X[:, None], comment="cloth")
-
-
-def cgats(folder, field="SPECTRAL_NM_{:.0f}", scale=1.0, more="", values=RISING, name="wall.txt"):
-    fields = " ".join(["SAMPLE_ID", "SAMPLE_NAME", "LAB_L", *(field.format(x) for x in X)])
-    rows = [
-        f'{k} "{title}" 50.0 ' + " ".join(f"{scale * v:.8f}" for v in curve)
-        for k, (title, curve) in enumerate((("dark red", values), ("white", FALLING)), 1)
-    ]
-    path = folder / name
-    path.write_text(
-        f'CGATS.17\nORIGINATOR "a test"\n{more}NUMBER_OF_FIELDS {X.size + 3}\n'
-        f"BEGIN_DATA_FORMAT\n{fields}\nEND_DATA_FORMAT\nNUMBER_OF_SETS 2\nBEGIN_DATA\n"
-        + "\n".join(rows)
-        + "\nEND_DATA\n"
-    )
-    return path
-
-
-def cxf(folder, values=RISING, start="", head=""):
-    numbers = " ".join(f"{v:.8f}" for v in values)
-    path = folder / "wall.cxf"
-    path.write_text(
-        f'<?xml version="1.0" encoding="UTF-8"?>{head}\n'
-        '<cc:CxF xmlns:cc="http://colorexchangeformat.com/CxF3-core"><cc:Resources>'
-        '<cc:ObjectCollection><cc:Object ObjectType="Standard" Name="Blå" Id="1"><cc:ColorValues>'
-        f'<cc:ReflectanceSpectrum ColorSpecification="M1"{start}>{numbers}'
-        "</cc:ReflectanceSpectrum></cc:ColorValues></cc:Object>"
-        '<cc:Object ObjectType="Standard" Name="Lab" Id="2"><cc:ColorValues><cc:ColorCIELab>'
-        "<cc:L>50</cc:L></cc:ColorCIELab></cc:ColorValues></cc:Object></cc:ObjectCollection>"
-        '<cc:ColorSpecificationCollection><cc:ColorSpecification Id="M1"><cc:MeasurementSpec>'
-        '<cc:WavelengthRange StartWL="350" Increment="5"/></cc:MeasurementSpec>'
-        "</cc:ColorSpecification></cc:ColorSpecificationCollection></cc:Resources></cc:CxF>",
-        encoding="utf-8",
-    )
-    return path
-
-
-PUBLISHED = {
-    "USGS ASCII": (splib07, "Brick GDS350 Dkred ASDFRa AREF", "Artificial Materials"),
-    "ECOSTRESS": (ecostress, "Construction Asphalt 0095UUUASP", "manmade, Road"),
-    "IGSDB": (igsdb, "Green 60%T transmittance", "glazing, transmittance"),
-    "Psychtoolbox": (psychtoolbox, "house 1", None),
-    "Psychtoolbox, packed, with labels": (
-        lambda f, **o: psychtoolbox(f, labels=True, do_compression=True, **o),
-        "roof",
-        None,
-    ),
-    "Psychtoolbox, version 4": (lambda f, **o: psychtoolbox(f, format="4", **o), "house 1", None),
-    "ISETCam": (isetcam, "sur_house 1", None),
-    "CGATS": (cgats, "dark red", None),
-    "CGATS of i1Profiler": (lambda f, **o: cgats(f, "nm{:.0f}", **o), "dark red", None),
-    "CGATS of Argyll": (
-        lambda f, **o: cgats(f, "SPEC_{:.0f}", 100.0, 'SPECTRAL_NORM "100.000"\n', **o),
-        "dark red",
-        None,
-    ),
-    "CxF3": (cxf, "Blå", "Standard"),
-    "CxF3, range at the spectrum": (
-        lambda f, **o: cxf(f, start=' StartWL="350"', **o),
-        "Blå",
-        None,
-    ),
-}
 
 
 @pytest.mark.parametrize(("write", "name", "kind"), PUBLISHED.values(), ids=PUBLISHED.keys())
@@ -261,120 +119,6 @@ def test_envi_leaves_out_what_is_no_sample_and_what_was_deleted(tmp_path):
     assert "1 of 3 spectra are left out" in " ".join(read_reflectances(path).notes)
 
 
-def two(folder):
-    return envi(folder, [RISING, FALLING])
-
-
-def broken(write, change):
-    def make(folder):
-        path = write(folder)
-        change(path)
-        return path
-
-    return make
-
-
-def text(old, new, suffix=None):
-    def change(path):
-        target = path.with_suffix(suffix) if suffix else path
-        content = target.read_bytes()
-        assert old in content
-        target.write_bytes(content.replace(old, new, 1))
-
-    return change
-
-
-def unlink_wavelengths(path):
-    for file in path.parents[1].glob("*Wavelengths*"):
-        file.unlink()
-
-
-BROKEN = {
-    "USGS, text": (broken(splib07, text(b" 1.2692308e-01", b" high")), ":7: 'high'"),
-    "USGS, no wavelengths": (
-        broken(splib07, unlink_wavelengths),
-        "no file with that many wavelengths",
-    ),
-    "ECOSTRESS, text": (
-        broken(ecostress, text(b"0.9000\t", b"0.9000\tx")),
-        ":.*is not a measurement",
-    ),
-    "ECOSTRESS, wavenumbers": (
-        broken(ecostress, text(b"(micrometers)", b"(cm-1)")),
-        "wavelengths in 'cm-1'",
-    ),
-    "ENVI, no header": (
-        broken(two, lambda path: path.with_suffix(".hdr").unlink()),
-        "urban.hdr: is missing",
-    ),
-    "ENVI, cut": (broken(two, lambda path: path.write_bytes(b"1234")), "has 4 bytes of"),
-    "ENVI, data type": (broken(two, text(b"type = 4", b"type = 6", ".hdr")), "data type = 6"),
-    "ENVI, wavelengths": (
-        broken(two, text(b"0.350000, ", b"", ".hdr")),
-        "names 130 wavelengths for 131",
-    ),
-    "ENVI, units": (broken(two, text(b"Micrometers", b"Wavenumber", ".hdr")), "'Wavenumber'"),
-    "ENVI, huge": (broken(two, text(b"lines   = 2", b"lines   = 99999999", ".hdr")), "split"),
-    "ENVI, no number": (broken(two, text(b"samples = ", b"samples = x", ".hdr")), "samples = x131"),
-    "IGSDB, cut": (broken(igsdb, text(b'"Rb": 0.2}', b"")), "is broken JSON"),
-    "IGSDB, text": (broken(igsdb, text(b'"Rb": 0.2', b'"Rb": "much"')), "back reflectance holds"),
-    "MATLAB, cut": (
-        broken(psychtoolbox, lambda path: path.write_bytes(path.read_bytes()[:400])),
-        "is a broken MATLAB file",
-    ),
-    "MATLAB, no grid": (lambda f: matlab(f, sur_a=np.ones((9, 2))), r"S_a: is not \[start"),
-    "MATLAB, misfit": (
-        lambda f: matlab(f, sur_a=np.ones((9, 2)), S_a=[400, 10, 31]),
-        "9 rows for 31 wavelengths",
-    ),
-    "MATLAB, huge": (
-        lambda f: matlab(f, sur_a=np.ones((9, 2)), S_a=[400, 10, 1e300]),
-        "9 rows for 1e.300",
-    ),
-    "MATLAB 7.3": (
-        broken(psychtoolbox, lambda path: path.write_bytes(b"M" * 512 + b"\x89HDF\r\n")),
-        "save it with -v7",
-    ),
-    "CGATS, short row": (broken(cgats, text(b'"white" 50.0', b'"white"')), ":10: 133 values for"),
-    "CGATS, text": (broken(cgats, text(b"0.10000000", b"none")), ":9: could not convert"),
-    "CxF3, cut": (broken(cxf, text(b"</cc:CxF>", b"")), "is broken XML"),
-    "CxF3, entities": (
-        lambda f: cxf(f, head='<!DOCTYPE x [<!ENTITY a "0.5 0.5">]>'),
-        "declares a document type",
-    ),
-    "CxF3, text": (broken(cxf, text(b"0.10000000", b"none")), "object 'Blå': could not convert"),
-    "CxF3, no start": (broken(cxf, text(b'Id="M1"', b'Id="M2"')), "has no first wavelength"),
-    "checker": (lambda f: "colour:Macbeth", "there are 'colour:BabelColor Average'"),
-}
-
-
-@pytest.mark.parametrize(("make", "said"), BROKEN.values(), ids=BROKEN.keys())
-def test_broken_files_get_one_line_with_place_and_cure(tmp_path, make, said):
-    path = make(tmp_path)
-    with pytest.raises(InputError, match=said) as caught:
-        read_all(path)
-    message = str(caught.value)
-    assert "\n" not in message and "; " in message
-    assert Path(path).stem in message
-
-
-OTHERS = {
-    "an image": (two, text(b"ENVI Spectral Library", b"ENVI Standard", ".hdr")),
-    "emissivity": (ecostress, text(b"Reflectance (percent)", b"Emissivity")),
-    "wavelengths": (splib07, text(b"Brick", b"Bandpass")),
-    "other JSON": (igsdb, text(b"spectral_data", b"thermal_data")),
-    "colours": (cxf, lambda path: path.write_text("<CxF><Object Name='a'/></CxF>")),
-    "densities": (cgats, lambda path: path.write_text("CGATS.17\nBEGIN_DATA\n1 2\nEND_DATA\n")),
-    "matrices": (lambda f: matlab(f, T_xyz=np.ones((3, 3))), lambda path: None),
-}
-
-
-@pytest.mark.parametrize(("write", "change"), OTHERS.values(), ids=OTHERS.keys())
-def test_whole_files_about_something_else_are_told_apart(tmp_path, write, change):
-    with pytest.raises(NoSpectra):
-        read_all(broken(write, change)(tmp_path))
-
-
 def test_spectrometers_with_as_many_channels_are_told_apart(tmp_path):
     path = splib07(tmp_path)
     (path.parent / "copy.txt").write_text(path.read_text().replace("ASDFRa", "BECKa"))
@@ -403,40 +147,6 @@ def test_matlab_variables_are_those_that_scipy_reads(tmp_path):
             assert ours[name].dtype.kind == theirs[name].dtype.kind
         assert (ours["text"], ours["cells"]) == ("Grün", ["a", "bc"])
         assert ours["record"]["label"] == ["x"] and ours["record"]["nat"][0] == 2.0
-
-
-@pytest.mark.parametrize(
-    "write", [*(w for w, _, _ in PUBLISHED.values()), two], ids=[*PUBLISHED, "ENVI"]
-)
-def test_damage_of_any_kind_is_one_line(tmp_path, write):
-    """Bytes cut off, changed, taken out and put in, by chance: nothing but `InputError` comes."""
-    chance = random.Random(1)
-    path = write(tmp_path)
-    files = [path, path.with_suffix(".hdr")] if path.suffix == ".sli" else [path]
-    for _ in range(40):
-        target = chance.choice(files)
-        whole = target.read_bytes()
-        data = bytearray(whole)
-        at = chance.randrange(len(data))
-        how = chance.randrange(4)
-        if how == 0:
-            del data[at:]
-        elif how == 1:
-            del data[at : at + chance.randrange(200)]
-        elif how == 2:
-            data[at:at] = chance.choice(
-                [b"nan", b"1e999", b"\0\0\0", b"{", b'"', b"9" * 30, b"<", b"\n"]
-            )
-        else:
-            for _ in range(chance.randrange(1, 20)):
-                data[chance.randrange(len(data))] = chance.randrange(256)
-        target.write_bytes(data)
-        try:
-            values = read_all(path).values
-            assert ((values >= 0) & (values <= 1)).all()
-        except InputError as error:
-            assert "\n" not in str(error)
-        target.write_bytes(whole)
 
 
 def test_names_of_columns_may_hold_colons_and_slashes(tmp_path):

@@ -8,8 +8,8 @@ from spectral_skylight.addon.spectra.curves import NoSpectra
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.spectra.reflectance import read_all, read_one, read_reflectances
 from spectral_skylight.addon.spectra.text_encodings import national
-from spectral_skylight.tests.spectra import kinds
-from spectral_skylight.tests.spectra.kinds import GREY, NM, PERCENT, RED, red, rows, text
+from spectral_skylight.tests.spectra import kind_files, kinds
+from spectral_skylight.tests.spectra.kind_files import GREY, NM, PERCENT, RED, red, rows, text
 
 
 @pytest.fixture
@@ -87,9 +87,9 @@ def test_what_was_read_is_said(write):
 
 
 PANES = {
-    "IGDB": ("a.dat", kinds.igdb()),
-    "IGSDB 2": ("a.json", kinds.igsdb_2()),
-    "IGSDB 2, scattering": ("a.json", kinds.igsdb_2(diffuse=True)),
+    "IGDB": ("a.dat", kind_files.igdb()),
+    "IGSDB 2": ("a.json", kind_files.igsdb_2()),
+    "IGSDB 2, scattering": ("a.json", kind_files.igsdb_2(diffuse=True)),
 }
 
 
@@ -183,18 +183,18 @@ REFUSED = {
     "absorptance": (text("nm,Absorptance", rows(RED)), "holds absorptance"),
     "absorption of some kind": (text("nm,Absorption (%)", rows(PERCENT)), "holds absorption"),
     "emissivity": (text("nm,Emissivity", rows(RED)), "holds emissivity"),
-    "a lamp in TM-27": (kinds.tm27("flux"), "holds light"),
+    "a lamp in TM-27": (kind_files.tm27("flux"), "holds light"),
     "irradiance over its unit": (
         text("Wave;Irradiance", "[nm];[µWatt/cm²/nm]", rows(RED, sep=";")),
         "holds light",
     ),
     "an A that may be a name": (text("nm,A", rows(0.5 * RED)), "absorbance, or a name"),
-    "a display": (kinds.cgats(more='DEVICE_CLASS "DISPLAY"'), "holds light"),
-    "an emission in CGATS": (kinds.cgats(more='MEAS_TYPE "EMISSION"'), "holds light"),
-    "units that nobody knows": (kinds.jcamp("ARBITRARY UNITS", RED), "holds arbitrary units"),
-    "seconds": (kinds.jcamp("REFLECTANCE", RED, x="SECONDS"), "wavelengths in 'SECONDS'"),
+    "a display": (kind_files.cgats(more='DEVICE_CLASS "DISPLAY"'), "holds light"),
+    "an emission in CGATS": (kind_files.cgats(more='MEAS_TYPE "EMISSION"'), "holds light"),
+    "units that nobody knows": (kind_files.jcamp("ARBITRARY UNITS", RED), "holds arbitrary units"),
+    "seconds": (kind_files.jcamp("REFLECTANCE", RED, x="SECONDS"), "wavelengths in 'SECONDS'"),
     "count of values": (
-        kinds.jcamp("REFLECTANCE", RED, form="SQZ").replace(b"NPOINTS= 81", b"NPOINTS= 80"),
+        kind_files.jcamp("REFLECTANCE", RED, form="SQZ").replace(b"NPOINTS= 81", b"NPOINTS= 80"),
         "81 values where NPOINTS is 80",
     ),
     "row numbers": (
@@ -218,9 +218,9 @@ REFUSED = {
         "semicolons",
     ),
     "frequencies": (text("Frequency (THz),red", rows(RED)), "'Frequency"),
-    "fractions as Datacolor": (kinds.qtx(scale=1.0), "percent or fraction"),
+    "fractions as Datacolor": (kind_files.qtx(scale=1.0), "percent or fraction"),
     "a broken difference": (
-        kinds.jcamp("REFLECTANCE", RED, form="DIF").replace(b"430E", b"430F", 1),
+        kind_files.jcamp("REFLECTANCE", RED, form="DIF").replace(b"430E", b"430F", 1),
         "the last line ends with",
     ),
 }
@@ -237,7 +237,7 @@ def test_what_is_no_reflectance_is_refused_in_one_line(write, content, said):
 
 def test_a_file_of_light_alone_is_about_something_else(write):
     with pytest.raises(NoSpectra):
-        read_reflectances(write("a.spdx", kinds.tm27("flux")))
+        read_reflectances(write("a.spdx", kind_files.tm27("flux")))
 
 
 def test_a_block_without_numbers_is_said(write):
