@@ -20,7 +20,7 @@ from typing import NamedTuple
 from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.spectra.reflectance import read_all
 from spectral_skylight.addon.spectra.refraction import read_nk
-from spectral_skylight.tests.spectra import kinds
+from spectral_skylight.tests.spectra import kind_files, kinds
 
 SECONDS = 2.0
 """Processor time that no small input may take; those of the seeds take a hundredth."""
@@ -50,9 +50,10 @@ def seeds() -> dict[str, tuple[str, dict[str, bytes]]]:
     from spectral_skylight.tests.spectra import published
 
     found = {kind: (name, {name: content}) for kind, (name, content) in kinds.KNOWN.items()}
-    found["IGDB"] = ("a.dat", {"a.dat": kinds.igdb()})
-    found["IGSDB 2"] = ("a.json", {"a.json": kinds.igsdb_2(diffuse=True)})
-    found["metal"] = ("a.nk", {"a.nk": kinds.text("nm,n,k", kinds.rows(kinds.RED, kinds.GREY))})
+    found["IGDB"] = ("a.dat", {"a.dat": kind_files.igdb()})
+    found["IGSDB 2"] = ("a.json", {"a.json": kind_files.igsdb_2(diffuse=True)})
+    nk = kind_files.rows(kind_files.RED, kind_files.GREY)
+    found["metal"] = ("a.nk", {"a.nk": kind_files.text("nm,n,k", nk)})
     with tempfile.TemporaryDirectory() as folder:
         for kind, (write, _, _) in published.PUBLISHED.items():
             path = _written(write, folder, len(found))

@@ -16,6 +16,7 @@ NM = np.arange(380.0, 781.0, 5.0)
 RED = red(NM)
 
 
+PERCENT = 100.0 * RED
 GREY = np.full(NM.size, 0.3)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from spectral_skylight.tests.spectra.kind_files import (
     GREY,
     NM,
+    PERCENT,
     RED,
     TENS,
     cgats,
@@ -24,7 +25,6 @@ from spectral_skylight.tests.spectra.kind_files import (
     tm27,
 )
 
-PERCENT = 100.0 * RED
 KNOWN = {
     "spreadsheet, quoted names": ("a.csv", text('wl,"Red, matt"', rows(RED))),
     "spreadsheet, blank rows and columns": (

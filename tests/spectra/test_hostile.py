@@ -15,7 +15,7 @@ from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.spectra import library
 from spectral_skylight.addon.spectra.reflectance import read_all
 from spectral_skylight.addon.spectra.refraction import read_nk
-from spectral_skylight.tests.spectra import fuzz, kinds
+from spectral_skylight.tests.spectra import fuzz, kind_files
 
 
 def test_damage_of_any_kind_is_one_line(tmp_path):
@@ -140,7 +140,7 @@ def test_small_files_take_little(tmp_path, name, content):
 def test_pipes_and_devices_are_not_opened(tmp_path):
     if not hasattr(os, "mkfifo"):
         pytest.skip("no pipes in a folder on this system")
-    (tmp_path / "good.csv").write_bytes(kinds.text("nm,red", kinds.rows(kinds.RED)))
+    (tmp_path / "good.csv").write_bytes(kind_files.text("nm,red", kind_files.rows(kind_files.RED)))
     for name in ("pipe.csv", "pipe.hdr", "splib07a_Wavelengths.txt"):
         os.mkfifo(tmp_path / name)
     (tmp_path / "pipe.sli").write_bytes(b"1234")

@@ -206,7 +206,7 @@ REFUSED = {
         "count 1, 2, 3",
     ),
     "wavelengths both ways": (
-        text(kinds.in_rows(("nm", "{:g}"), *map(str, range(400, 701, 5)))),
+        text(kind_files.in_rows(("nm", "{:g}"), *map(str, range(400, 701, 5)))),
         "in the heading .* and down the first column",
     ),
     "two tables": (
@@ -214,7 +214,7 @@ REFUSED = {
         "'second sample' stands among the rows of numbers",
     ),
     "decimal commas between commas": (
-        text(kinds.comma(rows(RED))),
+        text(kind_files.comma(rows(RED))),
         "semicolons",
     ),
     "frequencies": (text("Frequency (THz),red", rows(RED)), "'Frequency"),
