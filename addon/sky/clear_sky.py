@@ -26,6 +26,9 @@ WHITE_LUMINANCE = 1.0e4
 SCALE = LUMINOUS_EFFICACY / WHITE_LUMINANCE
 """What `observer` times radiance is multiplied by to be such RGB."""
 
+_ROWS_AT_ONCE = 8
+"""What is worked on stays in the processor's cache."""
+
 
 class Sky(Protocol):
     """What `picture` draws: `SimulatedSky`, and `mixed_sky.MixedSky`."""
@@ -111,8 +114,11 @@ def picture(
         direct, ground = direct @ sensitivities.T, ground @ sensitivities.T
     from_sun = np.abs((longitudes - np.arctan2(sun[1], sun[0]) + np.pi) % (2 * np.pi) - np.pi)
     radiance = np.empty((height, 2 * height, ground.size), dtype=np.float32)
-    for row, elevation in enumerate(elevations):
-        radiance[row] = sky.radiance(elevation, from_sun) if elevation > 0 else ground
+    above = int((elevations > 0.0).sum())
+    for first in range(0, above, _ROWS_AT_ONCE):
+        rows = slice(first, min(first + _ROWS_AT_ONCE, above))
+        radiance[rows] = sky.radiance(elevations[rows, None], from_sun)
+    radiance[above:] = ground
     if sun_disc:
         _add_disc(radiance, sun, direct, elevations, longitudes)
     return radiance

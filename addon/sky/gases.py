@@ -96,11 +96,17 @@ def band_depth(columns: ArrayLike) -> NDArray[np.float64]:
     those of the whole way from the sun to the eye. Returns (..., b).
     """
     columns = np.asarray(columns, dtype=float)
-    where, strengths = band_absorption()
-    depth = np.zeros((*columns.shape[:-1], where.size))
-    laws = ((0.2385, 20.07), (1.41, 118.3))
-    for kind, (strength, (c, d)) in enumerate(zip(strengths, laws, strict=True)):
-        at = strength > 0
-        product = columns[..., kind, None] * strength[at]
-        depth[..., at] += c * product * (1.0 + d * product) ** -0.45
+    depth = np.zeros((*columns.shape[:-1], band_absorption()[0].size))
+    for kind, (at, c, d) in enumerate(_laws()):
+        column = columns[..., kind, None]
+        depth[..., at] += (c * column) * (1.0 + d * column) ** -0.45
     return depth
+
+
+@cache
+def _laws() -> list[tuple[NDArray, NDArray, NDArray]]:
+    """Return for water and for oxygen where they absorb and what multiplies their columns there."""
+    _, strengths = band_absorption()
+    laws = ((0.2385, 20.07), (1.41, 118.3))
+    at = [np.flatnonzero(strength) for strength in strengths]
+    return [(at[k], c * strengths[k][at[k]], d * strengths[k][at[k]]) for k, (c, d) in enumerate(laws)]

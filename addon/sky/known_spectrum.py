@@ -20,6 +20,7 @@ from ..spectra.grid import WAVELENGTHS, WEIGHTS
 from ..spectra.sensitivities import cmfs
 from .irradiance import spread
 from .lat_long import directions, solid_angles
+from .products import product
 
 ATTRIBUTE = "skylightSpectrum"
 """The entry of an OpenEXR header that holds one as text."""
@@ -138,8 +139,8 @@ class KnownSpectrum:
     def to_text(self) -> str:
         """Return it as text for a file's header, some tens of kilobytes."""
         flat = self.cells.reshape(-1, WAVELENGTHS.size)
-        components = np.linalg.eigh(flat.T @ flat)[1][:, ::-1].T[:_COMPONENTS]
-        parts = [flat @ components.T, components]
+        components = np.linalg.eigh(product(flat.T, flat))[1][:, ::-1].T[:_COMPONENTS]
+        parts = [product(flat, components.T), components]
         if self.sun is not None and self.towards is not None:
             parts += [self.sun, self.towards]
         content = b"".join(np.asarray(part, "<f4").tobytes() for part in parts)
@@ -178,7 +179,7 @@ def cell_means(panorama: NDArray) -> NDArray[np.float64]:
     height, width, n = panorama.shape
     rows = _overlap(*(1.0 - np.cos(np.linspace(0.0, np.pi, k + 1)) for k in (ROWS, height)))
     columns = _overlap(*(np.linspace(0.0, 1.0, k + 1) for k in (2 * ROWS, width)))
-    level = (rows @ panorama.reshape(height, -1)).reshape(ROWS, width, n)
+    level = product(rows, panorama.reshape(height, -1)).reshape(ROWS, width, n)
     return columns @ level
 
 

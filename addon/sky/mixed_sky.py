@@ -57,10 +57,9 @@ class MixedSky:
 
     def radiance(self, elevation: ArrayLike, from_sun: ArrayLike) -> NDArray[np.float64]:
         """Return the radiance from directions of the sky, (..., k) [W m^-2 sr^-1 nm^-1]."""
-        elevation, from_sun = np.broadcast_arrays(
-            np.asarray(elevation, float), np.abs(np.asarray(from_sun, float))
-        )
+        elevation, from_sun = np.asarray(elevation, float), np.abs(np.asarray(from_sun, float))
         seen = self.clear.radiance(elevation, from_sun)
+        elevation, from_sun = np.broadcast_arrays(elevation, from_sun)
         spectrum = (1 - self.cover) * seen[..., :-1] / seen[..., -1:] + self.cover * self.cloud
         return self.level * self.luminance(elevation, from_sun)[..., None] * spectrum
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .atmosphere import EARTH_RADIUS, Medium
+from .products import product
 
 
 def columns_to_space(
@@ -25,12 +26,13 @@ def columns_to_space(
     lowest = radius * np.sqrt(np.maximum(1.0 - cosine**2, 0.0))
     start = radius * cosine
     reach = distances(medium, lowest)
-    upward = np.maximum(reach, start[..., None])
-    downward = np.minimum(reach, np.maximum(-start, 0.0)[..., None])
-    columns = np.diff(upward, axis=-1) @ medium.density
-    columns += np.diff(downward, axis=-1) @ medium.density
-    columns = np.asarray(columns)
-    columns[(start < 0) & (lowest < EARTH_RADIUS)] = np.inf
+    down = start < 0
+    way = np.maximum(reach, start[..., None])
+    if down.any():
+        way += np.minimum(reach, np.maximum(-start, 0.0)[..., None])
+    # Ways through shells times their densities, summed by parts: borders times what changes there.
+    columns = product(way, -np.diff(medium.density, axis=0, prepend=0.0, append=0.0))
+    columns[down & (lowest < EARTH_RADIUS)] = np.inf
     return columns
 
 
@@ -40,4 +42,4 @@ def distances(medium: Medium, lowest: NDArray[np.float64]) -> NDArray[np.float64
     ``lowest``: the radius of that point [m], (...). 0 for borders underneath it.
     """
     square = (EARTH_RADIUS + medium.edges) ** 2 - np.asarray(lowest)[..., None] ** 2
-    return np.sqrt(np.maximum(square, 0.0))
+    return np.sqrt(np.maximum(square, 0.0, out=square), out=square)

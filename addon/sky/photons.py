@@ -21,6 +21,7 @@ from ..spectra.grid import WAVELENGTHS
 from .atmosphere import EARTH_RADIUS, Medium
 from .path_lengths import columns_to_space, distances
 from .phase_functions import draw_haze, draw_rayleigh, haze_density, haze_phase, rayleigh_phase
+from .products import product
 from .scattering import direction, transmittance
 
 HEROES = np.searchsorted(WAVELENGTHS, [390.0, 430.0, 480.0, 540.0, 620.0, 720.0])
@@ -158,7 +159,7 @@ class _Ways:
         lengths = np.diff(marks)
         # Optical depth for the hero that decides, and the place where it reaches the drawn one.
         mine = self.heroes[:, self.hero].T
-        steps = lengths * (mine @ self.density[:, :2].T)
+        steps = lengths * product(mine, self.density[:, :2].T)
         if seek and self.guide is not None:
             segment, share = self._guided(
                 self.guide, lengths, steps, marks, start, grounding, chance
@@ -168,11 +169,11 @@ class _Ways:
         rows = np.arange(len(segment))
         place = marks[rows, segment] + share * lengths[rows, segment]
         place = np.where(self.grounded, end, place)
-        passed = np.clip(place[:, None] - marks[:, :-1], 0.0, lengths) @ self.density
+        passed = product(np.clip(place[:, None] - marks[:, :-1], 0.0, lengths), self.density)
         self.position = self.position + (place - start)[:, None] * self.direction
         self.columns += passed
         self.layer = segment
-        self.weight *= np.exp(-(passed[:, :3] @ self.matter.extinction))
+        self.weight *= np.exp(-product(passed[:, :3], self.matter.extinction))
         self.odds *= np.exp(-(passed[:, :2] @ self.heroes))
         self.scatterings += ~self.grounded
         self.touched |= self.grounded
@@ -192,7 +193,7 @@ class _Ways:
         segment = np.minimum((depth < drawn[:, None]).sum(axis=1), depth.shape[1] - 1)
         before = depth[rows, segment] - steps[rows, segment]
         share = (drawn - before) / np.maximum(steps[rows, segment], 1e-300)
-        leaving = -np.expm1(-(lengths @ self.density[:, :2] @ self.heroes))
+        leaving = -np.expm1(-product(lengths, self.density[:, :2] @ self.heroes))
         self.odds /= np.where(grounding[:, None], 1.0, np.maximum(leaving, 1e-300))
         return segment, np.clip(share, 0.0, 1.0)
 
@@ -217,9 +218,11 @@ class _Ways:
         # Of turning within each segment, and (last) on the ground, for every hero, then every sun.
         count = len(guide.suns)
         heroes = self.heroes[:, ::count].T
-        depths = np.cumsum(lengths[:, None, :] * (heroes @ self.density[:, :2].T), axis=2)
-        passed = np.exp(-depths)
-        stopped = -np.diff(passed, axis=2, prepend=1.0)
+        passed = lengths[:, None, :] * (heroes @ -self.density[:, :2].T)
+        np.exp(np.cumsum(passed, axis=2, out=passed), out=passed)
+        stopped = np.empty_like(passed)
+        np.subtract(1.0, passed[:, :, 0], out=stopped[:, :, 0])
+        np.subtract(passed[:, :, :-1], passed[:, :, 1:], out=stopped[:, :, 1:])
         down = np.where(grounding, guide.floor, 0.0)
         total = np.matmul(stopped, worth.transpose(0, 2, 1))
         total += (down[:, None] * passed[:, :, -1])[..., None]

@@ -14,6 +14,7 @@ from ..spectra.grid import WAVELENGTHS
 from .atmosphere import EARTH_RADIUS, Atmosphere, Medium, medium
 from .gases import band_absorption, band_depth
 from .path_lengths import columns_to_space, distances
+from .products import product
 
 
 def sun_transmittance(sun_elevation: float, atmosphere: Atmosphere) -> NDArray[np.float64]:
@@ -30,7 +31,7 @@ def transmittance(matter: Medium, columns: NDArray) -> NDArray[np.float64]:
     """
     blocked = np.isinf(columns).any(axis=-1, keepdims=True)
     columns = np.where(blocked, 0.0, columns)
-    result = np.exp(-(columns[..., :3] @ matter.extinction))
+    result = np.exp(-product(columns[..., :3], matter.extinction))
     if matter.bands.any():
         where, _ = band_absorption()
         result[..., where] *= np.exp(-band_depth(columns[..., 3:] * matter.bands))
@@ -68,8 +69,9 @@ def _scattered_once(matter: Medium, sun: NDArray, directions: NDArray) -> NDArra
     for k in range(way.shape[1]):
         lit = np.flatnonzero(np.isfinite(to_sun[:, k, 0]) & (way[:, k] > 0))
         depth = within[lit, k, :3] @ matter.extinction
-        # The mean of exp(-t) over 0 to depth; expm1 is exact where the depth is small.
-        mean = np.where(depth > 1e-9, -np.expm1(-depth) / np.maximum(depth, 1e-9), 1.0)
+        # The mean of exp(-t) over 0 to depth; of a small depth, whose exp is rounded, its series.
+        thin = depth < 1e-6
+        mean = np.where(thin, 1.0 - 0.5 * depth, (1.0 - np.exp(-depth)) / np.where(thin, 1.0, depth))
         halved = before[lit, k] + 0.5 * within[lit, k] * _BANDS_ONLY
         light = mean * transmittance(matter, halved + to_sun[lit, k])
         for kind in range(2):

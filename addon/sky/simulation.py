@@ -77,10 +77,9 @@ class SimulatedSky:
         ``elevation`` and azimuth ``from_sun`` [rad], (...); under the horizon the value just above
         it. ``order``: one of `photons.ORDERS` alone instead of their sum.
         """
-        elevation, from_sun = np.broadcast_arrays(
-            np.asarray(elevation, float), np.abs(np.asarray(from_sun, float))
-        )
-        result = np.zeros((*elevation.shape, self.once.shape[-1]))
+        elevation, from_sun = np.asarray(elevation, float), np.abs(np.asarray(from_sun, float))
+        shape = np.broadcast_shapes(elevation.shape, from_sun.shape)
+        result = np.zeros((*shape, self.once.shape[-1]))
         if order in (None, "first"):
             air, haze = (_interpolate(table, elevation, from_sun) for table in self.once)
             sun = direction(np.radians(self.sun_elevation), 0.0)
@@ -323,13 +322,19 @@ def _views(rows: int, columns: int) -> NDArray[np.float64]:
 
 
 def _interpolate(table: NDArray, elevation: NDArray, from_sun: NDArray) -> NDArray[np.float64]:
-    """Read a table (rows, columns, k) between its nodes, (..., k)."""
+    """Read a table (rows, columns, k) between its nodes, (..., k).
+
+    Of a grid, elevations (m, 1) and azimuths (n,), its rows are read first and then its columns.
+    """
     rows, columns = table.shape[:2]
     place = np.sqrt(np.clip(elevation / (np.pi / 2), 0.0, 1.0))
     row = np.clip(place * rows - 0.5, 0.0, rows - 1.000001)[..., None]
     column = np.clip(from_sun / np.pi * (columns - 1), 0.0, columns - 1.000001)[..., None]
     i, j = row[..., 0].astype(int), column[..., 0].astype(int)
     v, u = row - i[..., None], column - j[..., None]
+    if elevation.ndim == 2 and elevation.shape[1] == 1 and from_sun.ndim == 1:
+        level = (1 - v) * table[i[:, 0]] + v * table[i[:, 0] + 1]
+        return (1 - u) * level.take(j, axis=1) + u * level.take(j + 1, axis=1)
     lower = (1 - u) * table[i, j] + u * table[i, j + 1]
     upper = (1 - u) * table[i + 1, j] + u * table[i + 1, j + 1]
     return (1 - v) * lower + v * upper
