@@ -109,4 +109,6 @@ def _laws() -> list[tuple[NDArray, NDArray, NDArray]]:
     _, strengths = band_absorption()
     laws = ((0.2385, 20.07), (1.41, 118.3))
     at = [np.flatnonzero(strength) for strength in strengths]
-    return [(at[k], c * strengths[k][at[k]], d * strengths[k][at[k]]) for k, (c, d) in enumerate(laws)]
+    return [
+        (at[k], c * strengths[k][at[k]], d * strengths[k][at[k]]) for k, (c, d) in enumerate(laws)
+    ]

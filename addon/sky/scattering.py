@@ -71,7 +71,9 @@ def _scattered_once(matter: Medium, sun: NDArray, directions: NDArray) -> NDArra
         depth = within[lit, k, :3] @ matter.extinction
         # The mean of exp(-t) over 0 to depth; of a small depth, whose exp is rounded, its series.
         thin = depth < 1e-6
-        mean = np.where(thin, 1.0 - 0.5 * depth, (1.0 - np.exp(-depth)) / np.where(thin, 1.0, depth))
+        mean = np.where(
+            thin, 1.0 - 0.5 * depth, (1.0 - np.exp(-depth)) / np.where(thin, 1.0, depth)
+        )
         halved = before[lit, k] + 0.5 * within[lit, k] * _BANDS_ONLY
         light = mean * transmittance(matter, halved + to_sun[lit, k])
         for kind in range(2):

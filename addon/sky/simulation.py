@@ -48,7 +48,12 @@ QUALITIES = {
     "preview": Quality(once=(48, 19), more=(16, 13), ways=96, shells=30),
     "reference": Quality(once=(96, 33), more=(32, 64), ways=1024, shells=50),
 }
-"""By name: a second, and a minute on two cores with 2,048 directions."""
+"""By name: under a second of processor time, and a minute with 2,048 directions.
+
+Between the two, by the sun's elevation, in mean CIEDE2000 of the ColorChecker on faces of the open
+sky, and of the dome itself, whose directions each have their noise: 0.05 and 1.1 from 20 degrees
+on, 0.2 and 2 at 5 and at 0, 0.4 and 4 at -3, 1 and 12 at -6, where light finds its way by chance.
+"""
 
 
 @dataclass(frozen=True)
