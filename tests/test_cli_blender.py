@@ -157,6 +157,21 @@ def test_bad_input_is_one_line_and_writes_nothing(folder, capfd, monkeypatch, ar
     assert not list(folder.glob("*never*"))
 
 
+@pytest.mark.parametrize("command", ["animate", "sunlight"])
+def test_a_city_is_a_place_for_every_command(folder, capfd, monkeypatch, command):
+    monkeypatch.chdir(folder)
+    on = [command, "none.blend", "--date", "2025-06-21"]
+    on += ["--out", "day.blend"] if command == "animate" else []
+    assert cli.main([*on, "--city", "munchen"]) == 2  # as there is no such scene
+    out, error = capfd.readouterr()
+    assert out.startswith("München, Germany: 48.14°, 11.58°, Europe/Berlin\n")
+    assert "none.blend" in error
+    for options, part in ((["--city", "Oz"], "--city: 'Oz'"), ([], "give --city, or --latitude")):
+        assert cli.main([*on, *options]) == 2
+        error = capfd.readouterr().err
+        assert part in error and error.count("\n") == 1
+
+
 def test_output_folder_that_is_not_there(folder, capfd, monkeypatch):
     monkeypatch.chdir(folder)
     arguments = ["apply", "scene.blend", "--sky", "sky.exr", "--assign", "Wall=paint.csv:red"]

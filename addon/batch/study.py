@@ -61,7 +61,8 @@ def key_of(parameter: str) -> str:
 AS_IS = "as-is"
 """The sky that each scene has, which may move: the film of an animated file."""
 
-SKY_KEYS = ("file", "name", "date", "times", "latitude", "longitude", "timezone", "north")
+PLACE_KEYS = ("date", "times", "city", "latitude", "longitude", "timezone")
+SKY_KEYS = ("file", "name", *PLACE_KEYS, "north")
 VARIANT_KEYS = ("name", "assign")
 LAST_FRAME = 1048574
 """Of Blender's."""
@@ -206,11 +207,12 @@ def _skies(table: Table, here: Path) -> tuple[StudySky, ...]:
 def _sky(table: Table, here: Path) -> Iterable[StudySky]:
     """Give the skies of one table: a file's, or one for each of its times."""
     from ..scene.files.exr_decoder import read_sky
+    from ..sky.place import place
     from ..sky.simulation import LOWEST_SUN
     from ..sky.sun_position import sun_positions
 
     if "file" in table.values:
-        for key in ("date", "times", "latitude", "longitude", "timezone"):
+        for key in PLACE_KEYS:
             if key in table.values:
                 table.wrong(key, "leave it out beside a file, or leave out the file")
         file = _file(table.place, here / table.text("file"))
@@ -220,14 +222,12 @@ def _sky(table: Table, here: Path) -> Iterable[StudySky]:
         return
     date = str(table.items("date", (str, datetime.date), "give YYYY-MM-DD")[0])[:10]
     times = table.items("times", (str, datetime.time), "give times such as 09:00")
-    latitude = table.number("latitude", -90.0, 90.0)
-    longitude = table.number("longitude", -180.0, 180.0)
-    zone = table.items("timezone", (str, int, float), "give Europe/Berlin, or hours such as +2")[0]
-    zone = zone if isinstance(zone, str) else f"{zone:+g}"
+    given = _place(table)
     north = float(table.number("north", -360.0, 360.0))
     times = [str(time) for time in times]
     try:
-        suns = sun_positions(date, times, latitude, longitude, zone)
+        where = place(**given)
+        suns = sun_positions(date, times, where.latitude, where.longitude, where.timezone)
     except InputError as error:
         raise error.within(table.place, key_of) from None
     for time, sun in zip(times, suns, strict=True):
@@ -239,6 +239,22 @@ def _sky(table: Table, here: Path) -> Iterable[StudySky]:
             )
         name = f"{table.text('name', '')}_{date}_{time[:5].replace(':', '')}".lstrip("_")
         yield StudySky(name, content_hash([*sun]), north, sun=sun)
+
+
+def _place(table: Table) -> dict[str, Any]:
+    """Return what a table says of the place: a city, or all else."""
+    city = table.text("city", None)
+    optional = () if city is None else (None,)
+    zone = table.items(
+        "timezone", (str, int, float), "give Europe/Berlin, or hours such as +2", *optional
+    )
+    zone = None if zone is None else zone[0]
+    return {
+        "city": city,
+        "latitude": table.number("latitude", -90.0, 90.0, *optional),
+        "longitude": table.number("longitude", -180.0, 180.0, *optional),
+        "timezone": zone if zone is None or isinstance(zone, str) else f"{zone:+g}",
+    }
 
 
 def _variants(table: Table, here: Path) -> tuple[Variant, ...]:

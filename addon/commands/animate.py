@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from .arguments import Commands, add_place
+from .arguments import Commands, add_north, add_place, place_of
 from .outputs import output
 from .progress_bar import run_with_bar
 
@@ -30,6 +30,7 @@ def add(commands: Commands) -> None:
     )
     parser.add_argument("--frames", type=int, default=240, metavar="N", help="default: 240")
     add_place(parser)
+    add_north(parser)
     parser.add_argument("--haze", type=float, default=0.05, help="as of sky; default 0.05")
     parser.add_argument("--ozone", type=float, default=300.0, metavar="DU", help="as of sky")
     parser.add_argument("--ground", type=float, default=0.2, help="its reflectance; default 0.2")
@@ -46,12 +47,13 @@ def run(options: argparse.Namespace) -> None:
     from ..scene.world.simulated_sky import SkyPlace
 
     first, last = (options.year, YEAR) if options.year else (options.first, options.last)
+    where = place_of(options)
     place = SkyPlace(
         options.date,
         first,
-        options.timezone,
-        options.latitude,
-        options.longitude,
+        where.timezone,
+        where.latitude,
+        where.longitude,
         options.north,
         options.haze,
         options.ozone,

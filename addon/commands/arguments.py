@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from ..sky.place import Place
+
 
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 """What a command adds itself to."""
@@ -126,21 +128,26 @@ def add_unit(parser: argparse.ArgumentParser) -> None:
 
 
 def add_place(parser: argparse.ArgumentParser) -> None:
-    """Add where on earth a scene stands, its time zone and its north."""
+    """Add where on earth a sky is seen and its time zone, which `place_of` reads."""
+    parser.add_argument(
+        "--city",
+        metavar="NAME",
+        help="place and time zone of a city, as in Paris or 'Paris, Texas'",
+    )
     for name, what in (("latitude", "north"), ("longitude", "east")):
         parser.add_argument(
-            f"--{name}",
-            type=float,
-            required=True,
-            metavar="DEG",
-            help=f"in degrees, {what} is positive",
+            f"--{name}", type=float, metavar="DEG", help=f"in degrees, {what} is positive"
         )
     parser.add_argument(
         "--timezone",
-        default="UTC",
         metavar="ZONE",
-        help="name such as Europe/Berlin, or hours east of UTC such as +2",
+        help="name such as Europe/Berlin, or hours east of UTC such as +2; default: the city's, "
+        "else UTC",
     )
+
+
+def add_north(parser: argparse.ArgumentParser) -> None:
+    """Add where north is in a scene."""
     parser.add_argument(
         "--north",
         type=float,
@@ -148,3 +155,13 @@ def add_place(parser: argparse.ArgumentParser) -> None:
         metavar="DEG",
         help="true north in the scene, clockwise from +Y as seen from above",
     )
+
+
+def place_of(options: argparse.Namespace) -> Place:
+    """Return the place that the options name, and say which one a city is."""
+    from ..sky.place import place
+
+    found = place(options.city, options.latitude, options.longitude, options.timezone)
+    if found.name:
+        print(found.line)
+    return found

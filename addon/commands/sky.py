@@ -8,7 +8,7 @@ from typing import Any
 
 from ..choices import QUALITIES, default, described
 from ..errors import InputError
-from .arguments import Commands
+from .arguments import Commands, add_place, place_of
 from .outputs import output
 
 
@@ -25,23 +25,7 @@ def add(commands: Commands) -> None:
     parser.add_argument(
         "--time", default="12:00", metavar="HH:MM", help="local time; default: noon"
     )
-    parser.add_argument(
-        "--city",
-        metavar="NAME",
-        help="place and time zone of a city, as in Paris or 'Paris, Texas'",
-    )
-    parser.add_argument(
-        "--latitude", type=float, metavar="DEG", help="in degrees, north is positive"
-    )
-    parser.add_argument(
-        "--longitude", type=float, metavar="DEG", help="in degrees, east is positive"
-    )
-    parser.add_argument(
-        "--timezone",
-        metavar="ZONE",
-        help="name such as Europe/Berlin, or hours east of UTC such as +2; default: the city's, "
-        "else UTC",
-    )
+    add_place(parser)
     parser.add_argument(
         "--cie",
         type=int,
@@ -129,7 +113,7 @@ def run(options: argparse.Namespace) -> None:
     if not 8 <= options.width <= 8192:
         raise InputError("--width", f"{options.width} pixels", "give 8 to 8192")
     hour = _hour(options)
-    _of_city(options)
+    _settle(options)
     elevation, azimuth = _sun(options)
     if options.heliodon and options.date is None:
         cure = "give --date with --city, or with --latitude and --longitude"
@@ -190,9 +174,9 @@ def _draw_heliodon(options: argparse.Namespace, hour: Any) -> None:
     from ..pictures.theme import LIGHT
     from ..sky.sun_position import local_moment
 
-    moment = local_moment(options.date, options.time, options.timezone or "UTC")
+    moment = local_moment(options.date, options.time, options.timezone)
     shown = Heliodon(moment, options.latitude, options.longitude)
-    title = hour.station.name if hour is not None else options.city or ""
+    title = hour.station.name if hour is not None else options.city
     write_png(options.heliodon, heliodon(shown, title, theme=LIGHT, scale=1.5))
 
 
@@ -216,21 +200,17 @@ def _hour(options: argparse.Namespace) -> Any:
     return hour
 
 
-def _of_city(options: argparse.Namespace) -> None:
-    """Give the options the place of the city that they name, and its zone where they have none."""
-    if options.city is None:
-        return
-    from ..sky.cities import city
-
+def _settle(options: argparse.Namespace) -> None:
+    """Give the options the place and the zone that they name; nothing without a date."""
     if options.date is None:
-        raise InputError("--city", "the day is unknown", "give --date too")
-    if options.latitude is not None or options.longitude is not None:
-        raise InputError("--city", "says the place", "leave --latitude and --longitude out")
-    found = city(options.city)
-    options.city = found.label
+        if options.city is not None:
+            raise InputError("--city", "the day is unknown", "give --date too")
+        return
+    if options.sun_elevation is not None:
+        return  # `_sun` refuses both
+    found = place_of(options)
+    options.city, options.timezone = found.name, found.timezone
     options.latitude, options.longitude = found.latitude, found.longitude
-    options.timezone = options.timezone or found.timezone
-    print(f"{found.label}: {found.latitude:.2f}°, {found.longitude:.2f}°, {found.timezone}")
 
 
 def _sun(options: argparse.Namespace) -> tuple[float, float]:
@@ -243,16 +223,8 @@ def _sun(options: argparse.Namespace) -> tuple[float, float]:
         return options.sun_elevation, 180.0 if options.sun_azimuth is None else options.sun_azimuth
     from ..sky.sun_position import sun_position
 
-    if options.latitude is None or options.longitude is None:
-        raise InputError(
-            "--date", "the place is unknown", "give --city, or --latitude and --longitude"
-        )
     elevation, azimuth = sun_position(
-        options.date,
-        options.time,
-        options.latitude,
-        options.longitude,
-        options.timezone or "UTC",
+        options.date, options.time, options.latitude, options.longitude, options.timezone
     )
     return elevation, azimuth if options.sun_azimuth is None else options.sun_azimuth
 

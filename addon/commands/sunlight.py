@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from .arguments import Commands, add_place
+from .arguments import Commands, add_north, add_place, place_of
 from .outputs import output
 from .progress_bar import run_with_bar
 
@@ -27,6 +27,7 @@ def add(commands: Commands) -> None:
         "--minutes", type=float, default=5.0, metavar="N", help="a sun every so many; default 5"
     )
     add_place(parser)
+    add_north(parser)
     parser.add_argument(
         "--csv", type=output(".csv"), metavar="FILE.csv", help="write a row for each object"
     )
@@ -51,13 +52,14 @@ def run(options: argparse.Namespace) -> None:
     from ..scene.meter.exposure import SunTimes
     from ..whole_files import write_text
 
+    where = place_of(options)
     times = SunTimes(
         options.date,
         options.first,
         options.last,
-        options.timezone,
-        options.latitude,
-        options.longitude,
+        where.timezone,
+        where.latitude,
+        where.longitude,
         options.north,
         options.minutes,
     )

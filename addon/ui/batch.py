@@ -9,7 +9,7 @@ import bpy
 
 from ..choices import ENGINES, items
 from ..errors import InputError
-from . import operator, panels
+from . import operator, panels, where
 from .translation import translated
 
 RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"}
@@ -30,7 +30,7 @@ SKIES = (
 )
 
 
-class SkylightBatch(bpy.types.PropertyGroup):
+class SkylightBatch(where.Where, bpy.types.PropertyGroup):
     """What a study of this scene is made of, as `scene.skylight_batch`."""
 
     out: bpy.props.StringProperty(
@@ -56,33 +56,6 @@ class SkylightBatch(bpy.types.PropertyGroup):
     )
     times: bpy.props.StringProperty(
         name="Times", description="Local times, separated by commas", default="09:00, 12:00, 15:00"
-    )
-    latitude: bpy.props.FloatProperty(
-        name="Latitude",
-        description="Latitude in degrees, north is positive",
-        min=-90,
-        max=90,
-        precision=4,
-    )
-    longitude: bpy.props.FloatProperty(
-        name="Longitude",
-        description="Longitude in degrees, east is positive",
-        min=-180,
-        max=180,
-        precision=4,
-    )
-    timezone: bpy.props.StringProperty(
-        name="Time Zone",
-        description="Name such as Europe/Berlin, which includes daylight saving time, or hours "
-        "east of UTC such as +2",
-        default="UTC",
-    )
-    north: bpy.props.FloatProperty(
-        name="North",
-        description="Direction of true north in degrees, clockwise from +Y as seen from above",
-        min=-360,
-        max=360,
-        precision=2,
     )
     variants: bpy.props.StringProperty(
         name="Variants",
@@ -275,8 +248,10 @@ class SKYLIGHT_PT_batch(panels.Child, bpy.types.Panel):
         if chosen.source == "FILES":
             column.prop(chosen, "files")
         else:
-            for name in ("date", "times", "latitude", "longitude", "timezone", "north"):
-                column.prop(chosen, name)
+            column.prop(chosen, "date")
+            column.prop(chosen, "times")
+            where.draw(column, chosen)
+            column.prop(chosen, "north")
         layout.prop(chosen, "variants")
         column = layout.column(align=True)
         for name in ("engine", "samples", "workers"):

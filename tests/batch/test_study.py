@@ -39,6 +39,14 @@ def test_summer_time_counts(folder):
     assert winter[1] - summer[1] > 20  # an hour later, and farther west
 
 
+def test_a_city_is_a_place_and_its_time_zone(folder):
+    munich = {"date": "2025-06-21", "times": ["12:00"], "city": "munich", "north": 0}
+    skies = [munich, NOON, {**munich, "timezone": 1}]
+    named, given, winter = (sky.sun for sky in read_study(write_study(folder, skies=skies)).skies)
+    assert named == pytest.approx(given, abs=0.1)  # degrees; the two places are 5 km apart
+    assert winter[1] - named[1] > 20  # as in `test_summer_time_counts`
+
+
 def test_toml_dates_and_times_without_quotes(folder):
     path = write_study(folder, skies=[NOON])
     text = path.read_text().replace('"2025-06-21"', "2025-06-21").replace('"12:00"', "12:00:00")
@@ -85,6 +93,8 @@ def test_a_reflectance_is_found_beside_the_assignment_or_the_study(folder):
     }
 
 
+CITY = {"date": "2025-06-21", "times": ["12:00"], "city": "Bonn", "north": 0}
+
 MISTAKES = {
     "unknown key": ({"camera": "all"}, ['"camera"', 'did you mean "cameras"']),
     "no out": ({"out": None}, ['"out"', "missing"]),
@@ -98,6 +108,9 @@ MISTAKES = {
         {"skies": [{k: v for k, v in NOON.items() if k != "timezone"}]},
         ["timezone"],
     ),
+    "no such city": ({"skies": [CITY | {"city": "Oz"}]}, ["skies 1", '"city"', "'Oz' is not in"]),
+    "city and place": ({"skies": [{**NOON, **CITY}]}, ["skies 1", 'leave "latitude" and "long']),
+    "city beside a file": ({"skies": [{"file": "sky.exr", "city": "Bonn"}]}, ['"city"', "beside"]),
     "north left out": ({"skies": [{k: v for k, v in NOON.items() if k != "north"}]}, ["north"]),
     "no time": ({"skies": [{**NOON, "times": ["25:00"]}]}, ["25:00"]),
     "time that a clock skips": (

@@ -17,7 +17,7 @@ from spectral_skylight.addon.scene.world import (
 from spectral_skylight.addon.sky import simulation
 from spectral_skylight.addon.sky.sun_position import sun_position
 from spectral_skylight.addon.spectra.sensitivities import observer
-from spectral_skylight.addon.ui import make_sky, panels, place, preview_cache, refine_sky
+from spectral_skylight.addon.ui import make_sky, panels, place, preview_cache, refine_sky, where
 from spectral_skylight.tests.sky.test_all_weather import epw, row
 from spectral_skylight.tests.ui import stage
 from spectral_skylight.tests.ui.test_undo import check
@@ -170,7 +170,7 @@ def test_a_city_gives_place_and_zone_until_one_types_another(scene):
     assert chosen.city == "" and chosen.longitude == pytest.approx(11.58)
     chosen.city = "Entenhausen"
     assert chosen.city == "" and chosen.latitude == 47.0
-    assert place._cities(chosen, bpy.context, "reykjav") == ["Reykjavík, Iceland"]
+    assert where._cities(chosen, bpy.context, "reykjav") == ["Reykjavík, Iceland"]
 
 
 def test_what_is_a_number_can_be_keyed(scene):
