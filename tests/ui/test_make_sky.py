@@ -80,7 +80,7 @@ def test_twilight_is_known_without_a_sun(scene):
     assert light_of(scene).known_elevation is None  # a tilted sky's horizon is not the scene's
 
 
-def test_another_hour_keeps_what_was_set_in_the_world(scene):
+def test_another_hour_keeps_what_was_set_in_the_world(scene, quick):
     own = scene.world
     choose(scene, time=9.0)
     bpy.ops.skylight.make_sky()
@@ -115,7 +115,7 @@ def test_it_is_in_the_file(scene, tmp_path):
     np.testing.assert_array_equal(after, before)
 
 
-def test_it_is_one_step_to_undo(scene, brick):
+def test_it_is_one_step_to_undo(scene, brick, quick):
     bpy.ops.skylight.apply(filepath=brick, column="brick")
     choose(scene)
     check(lambda *how: bpy.ops.skylight.make_sky(*how))
