@@ -7,10 +7,12 @@ import bpy
 import pytest
 
 from spectral_skylight.addon.scene.output import eevee_cost
+from spectral_skylight.tests.lanes import newest
 
 pytestmark = [pytest.mark.blender, pytest.mark.slow]
 
 
+@newest
 def test_sample_cost(benchmark, capsys):
     """Figures, no limits. What `addon.scene.output.eevee_cost` makes for it is gone afterwards."""
     timed = not benchmark.disabled
