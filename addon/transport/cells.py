@@ -8,6 +8,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from . import extent
 from .row_keys import row_keys
 
 FINEST = 8
@@ -47,13 +48,12 @@ class Surfaces:
     """(n,), whether its back is inside something, where nobody looks."""
     thing: NDArray[np.int32]
     """(n,), of which thing each is a part: small ones of one thing may go together."""
+    size: float = -1.0
+    """How large what stands there is; below 0 as `extent.scale` finds it."""
 
-    @cached_property
-    def size(self) -> float:
-        """The longest edge of the box around all of it, 0 without triangles."""
-        return (
-            float(np.ptp(self.corners.reshape(-1, 3), axis=0).max()) if len(self.corners) else 0.0
-        )
+    def __post_init__(self) -> None:
+        if self.size < 0.0:
+            self.size = extent.scale(self.corners)
 
     @cached_property
     def lengths(self) -> NDArray[np.float64]:
@@ -71,11 +71,13 @@ def levels_for(
     of them: a yard in a wide field has its own scale. They get these, and each triangle one, also
     where that is more than ``most``.
     """
-    large = surfaces.lengths > small
+    away = np.abs(surfaces.corners.mean(axis=1)).max(axis=1) - surfaces.lengths
+    far = np.maximum(away / max(surfaces.size, 1e-30), 1.0)  # what is far off is coarse
+    large = (surfaces.lengths > small) & (far == 1.0)
     least = next((k for k in (3, 2, 1) if large.sum() * 4**k <= most / 2), 0)
     enough = max(most, len(large) + int(large.sum()) * (4**least - 1))
     while True:
-        wanted = np.ceil(np.log2(np.maximum(surfaces.lengths / length, 1.0)))
+        wanted = np.ceil(np.log2(np.maximum(surfaces.lengths / (far * length), 1.0)))
         levels = np.minimum(np.maximum(wanted, least * large), FINEST).astype(int)
         if (4**levels).sum() <= enough:
             return levels
@@ -91,7 +93,7 @@ def pieces(
     before = np.maximum(levels - most, 0)
     cut = Cells.of(surfaces, before)
     thing = surfaces.thing[cut.triangle]
-    parts = Surfaces(cut.corners.astype(float), cut.kind, cut.solid, thing)
+    parts = Surfaces(cut.corners.astype(float), cut.kind, cut.solid, thing, surfaces.size)
     return parts, (levels - before)[cut.triangle], cut.triangle
 
 
@@ -122,7 +124,7 @@ class Cells:
     patch: NDArray[np.int32]
     """(n,), which patch each belongs to."""
     size: float
-    """The longest edge of the box around all."""
+    """How large all is, see `extent.scale`."""
 
     @classmethod
     def of(cls, surfaces: Surfaces, levels: NDArray, small: float = 0.0) -> Cells:

@@ -67,8 +67,14 @@ class Space:
         self._noise = np.random.default_rng(0)
         self.chunk = CHUNK[0 if self.caster.embree else 1]
         """Rays at once."""
-        self.lift = np.float32(max(2e-6 * cells.size, 1e-7))
-        """How far over a face rays start."""
+        middles = np.abs(cells.corners.mean(axis=1)).max(axis=1)
+        self._near = min(cells.size, 16.0 * float(np.median(middles))) if len(cells) else 0.0
+
+    def lift(self, places: NDArray) -> NDArray[np.float32]:
+        """Return how far over faces rays start (..., 1) at places (..., 3): more than float32 is
+        off there, which is finest about the origin."""
+        reach = np.maximum(2.0 * np.abs(places).max(axis=-1, keepdims=True), self._near)
+        return np.maximum(2e-6 * reach, 1e-7).astype(np.float32)
 
     def look(
         self, starts: NDArray, normals: NDArray, pattern: NDArray
@@ -177,7 +183,8 @@ class Space:
                 back = self._filter(passed, going, cells.kind[hit], np.abs(slope), mirrors)
                 to = np.einsum("nk,nk->n", cells.corners[hit, 0] - at[going], normal)
                 far = to / np.where(np.abs(slope) < 1e-6, 1e-6, slope)
-                at[going] += (far + np.where(back, -4, 4) * self.lift)[:, None] * way
+                over = np.where(back, -4, 4)[:, None] * self.lift(at[going])
+                at[going] += (far[:, None] + over) * way
                 if back.any():
                     ways = ways.copy()
                     way = way - (2.0 * back * slope)[:, None].astype(np.float32) * normal

@@ -75,7 +75,7 @@ class Field:
 
     def _starts(self, places, normals, part) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         across = normals[part].astype(np.float32)
-        return (places[part] + self.space.lift * across).astype(np.float32), across
+        return (places[part] + self.space.lift(places[part]) * across).astype(np.float32), across
 
     def _gathered(self, places, normals, pattern) -> Iterator[tuple[slice, Light]]:
         space, rays = self.space, len(pattern)

@@ -75,7 +75,7 @@ class Radiosity:
         cells = self.space.cells
         places, at = cells.places(shares, self.patch[part])
         normals = cells.normals[at] * self.side[part, None, None].astype(np.float32)
-        return places + self.space.lift * normals, normals, at
+        return places + self.space.lift(places) * normals, normals, at
 
     def cast(self, rays: int, alike: bool = False) -> Iterator[float]:
         """Cast so many rays from each side of each patch, yielding 0 to 1.

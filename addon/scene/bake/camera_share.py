@@ -52,7 +52,7 @@ def weights(space: Space, eye: Eye | None) -> NDArray[np.float64]:
     at = np.concatenate([middle, np.ones((len(middle), 1))], axis=1) @ eye.onto.T
     inside = (at[:, 3] > 0.0) & (np.abs(at[:, :2]) <= at[:, 3:]).all(axis=1) & (facing > 0.0)
     found = np.flatnonzero(inside)
-    starts = middle[found] + 2.0 * space.lift * normals[found]
+    starts = middle[found] + 2.0 * space.lift(middle[found]) * normals[found]
     ends = np.broadcast_to(eye.place, starts.shape)
     found = found[run(space.open_between(starts, ends))]
     result = np.zeros(cells.patches)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...progress import Progress, aside, is_between_events
+from ...transport import extent
 from ...transport.cells import Surfaces
 from ...transport.rays import Caster
 from ...transport.row_keys import row_keys
@@ -36,7 +37,7 @@ class Geometry:
     """(n, 3, 3), relative to `origin`, for float32 is fine near 0 only; counter-clockwise as seen
     from their fronts, also where an object is mirrored."""
     origin: NDArray[np.float64]
-    """(3,), the middle of the scene."""
+    """(3,), about which most of the scene is."""
     owner: NDArray[np.int32]
     """(n,), which of `owners` each belongs to."""
     owners: list[str]
@@ -51,11 +52,13 @@ class Geometry:
     """(n,), which face of its mesh each is a part of."""
     solid: NDArray[np.bool_]
     """(n,), whether its back is inside something closed."""
+    size: float
+    """How large what stands in the scene is, see `extent.scale`."""
 
     @cached_property
-    def size(self) -> float:
+    def whole(self) -> float:
         """The longest edge of the box around all of it, 0 without triangles."""
-        return float(np.ptp(self.corners.reshape(-1, 3), axis=0).max()) if len(self.corners) else 0
+        return extent.box(self.corners)
 
     @cached_property
     def _by_owner(self) -> dict[str, NDArray[np.int64]]:
@@ -71,7 +74,7 @@ class Geometry:
     @property
     def surfaces(self) -> Surfaces:
         """The triangles as light knows them; their kinds are numbers of `materials`."""
-        return Surfaces(self.corners, self.material, self.solid, self.instance)
+        return Surfaces(self.corners, self.material, self.solid, self.instance, self.size)
 
 
 @dataclass
@@ -179,7 +182,7 @@ def assembled(read: Read) -> Geometry:
     empty = np.empty(0, np.int32)
     if not placed:
         none, no = np.empty((0, 3, 3)), np.empty(0, bool)
-        return Geometry(none, np.zeros(3), empty, [], empty, empty, materials, empty, no)
+        return Geometry(none, np.zeros(3), empty, [], empty, empty, materials, empty, no, 0.0)
     solids: dict[bytes, tuple[NDArray[np.bool_], list[_Shell]]] = {}
     known: dict[int, tuple[NDArray[np.bool_], list[_Shell]]] = {}
     columns: list[list[NDArray]] = [[] for _ in range(6)]
@@ -216,11 +219,17 @@ def assembled(read: Read) -> Geometry:
     for k, column in enumerate(columns):
         columns[k] = [np.concatenate(column)]  # one by one, for a town's are large
     places, owner, instances, material, polygon, solid = (column[0] for column in columns)
-    flat = places.reshape(-1, 3)
-    origin = (flat.min(axis=0) + flat.max(axis=0)) / 2
+    origin = extent.middle(places)
     places -= origin
     _close(solid, shells, places, origin)
-    return Geometry(places, origin, owner, owners, instances, material, materials, polygon, solid)
+    size = extent.scale(places)
+    places, part = extent.graded(places, size)
+    if len(part) > len(owner):
+        others = (owner, instances, material, polygon, solid)
+        owner, instances, material, polygon, solid = (column[part] for column in others)
+    return Geometry(
+        places, origin, owner, owners, instances, material, materials, polygon, solid, size
+    )
 
 
 def _close(solid, shells, corners, origin) -> None:

@@ -22,7 +22,7 @@ UNTOLD = 0.5
 class Points:
     """The points of a mesh in the world, and where rays start from them.
 
-    ``origin`` (3,) and ``size``: the scene's.
+    ``origin`` (3,) and ``size``: the scene's, as `Geometry` has them.
     """
 
     def __init__(self, obj: bpy.types.Object, fine: Fine, origin: NDArray, size: float) -> None:
@@ -43,7 +43,9 @@ class Points:
         away = np.linalg.norm(inwards, axis=1)
         radius = np.maximum.reduceat(away, fine.starts[:-1])
         # A little off the face, for a ray must not meet it, and inwards, where two walls meet.
-        lift = np.clip(1e-3 * radius, 2e-6 * size, 2e-5 * size)
+        # float32 is finest about the origin.
+        least = np.maximum(size, 2.0 * np.abs(fine.mean(at)).max(axis=1)) * 2e-6
+        lift = np.clip(1e-3 * radius, least, 10.0 * least)
         inwards *= np.minimum(0.01, 1e-3 * size / np.maximum(away, 1e-30))[:, None]
         # Never into a surface that bends away.
         normals = self.normals[fine.point]

@@ -263,7 +263,7 @@ def _staling(
         return list(objects)
     around = yield from geometry.gathering()
     found = yield from aside(geometry.GATHERING, surroundings.signatures, around)
-    changed = surroundings.changed(lit, found, around.size)
+    changed = surroundings.changed(lit, found, around.whole)
     return [obj for obj in objects if obj.name_full not in lit or obj.name_full in changed]
 
 

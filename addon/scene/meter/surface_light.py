@@ -260,9 +260,8 @@ def seen(
         going = going[space.matter.clear[cells.kind[met[going]]]]
         if not len(going):
             break
-        at[going] += (_far(cells, met[going], at[going], ways[going]) + 4.0 * space.lift)[
-            :, None
-        ] * ways[going]
+        far = _far(cells, met[going], at[going], ways[going])[:, None]
+        at[going] += (far + 4.0 * space.lift(at[going])) * ways[going]
         met[going] = space.caster.first_hits(np.ascontiguousarray(at[going]), ways[going])
         going = going[met[going] >= 0]
     amounts = np.full((len(ways), len(QUANTITIES)), np.nan, np.float32)
