@@ -3,6 +3,7 @@
 Twelve simulated skies in full spectrum, nine faces, 24 patches; and what a sample costs in Eevee:
 some minutes. Then whole pictures of six scenes, which take hours: what is measured stays, so that
 one may stop and go on. `--scenes [NAME ...]` makes these alone, other options the first alone.
+Mitsuba 3 and Radiance are among them once `sh tests/peers/run` has built their environment.
 Pictures and tables: examples/out/chart/
 """
 

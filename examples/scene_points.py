@@ -72,16 +72,16 @@ def measure(names: list[str], patterns: list[str], out: Path, references: Path) 
         raise InputError("--ways", f"{patterns} fits none", f"it has {'; '.join(known)}")
     for way in ways:
         for name in names:
-            rows = read(path)
             state = states[name] + program * way.startswith("Ours")
-            if any((r["scene"], r["way"], r["state"]) == (name, way, state) for r in rows):
+            if any((r["scene"], r["way"], r["state"]) == (name, way, state) for r in read(path)):
                 continue
             print(f"{time.strftime('%H:%M:%S')} {name}: {way}", flush=True)
             try:
                 new = _in_a_process(measured, name, way, references)
             except RuntimeError as error:
                 new = [{"failed": str(error)}]
-            kept = [row for row in rows if (row["scene"], row["way"]) != (name, way)]
+            # What others have left meanwhile stays.
+            kept = [row for row in read(path) if (row["scene"], row["way"]) != (name, way)]
             for point in new:
                 kept.append({field: str(point.get(field, "")) for field in FIELDS})
                 kept[-1] |= {"scene": name, "way": way, "state": state}
@@ -131,12 +131,12 @@ def prepared(names: list[str], references: Path) -> tuple[dict[str, str], str, l
     """Make scenes ready; return the digest of each, the add-on's own, and all ways' names."""
     from lit_scenes import SCENES as examples
     from ready import ready
-    from ways import WAYS
+    from ways import there
 
     from spectral_skylight.addon.batch.scenes import program_hash
 
     states = {name: ready(name, examples[name], references, SIZE).digest for name in names}
-    return states, f".{program_hash()[:8]}", list(WAYS)
+    return states, f".{program_hash()[:8]}", there()
 
 
 def measured(name: str, way: str, references: Path) -> list[dict]:
@@ -157,7 +157,8 @@ def measured(name: str, way: str, references: Path) -> list[dict]:
                 **_both("", shot.seconds),
                 **_both("setup_", shot.setup),
                 "megabytes": shot.megabytes or "",
-                "memory_MB": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+                "memory_MB": shot.memory
+                or resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
                 "noise": scene.noise()["mean"],
                 "noise_p95": scene.noise()["p95"],
                 "blender": bpy.app.version_string,

@@ -122,14 +122,19 @@ def verdict(some: Sequence[Point], what: str = "") -> list[str]:
     """Say of one scene's points whether ours are the front from a second on, and what RGB × RGB
     leaves at ours' time."""
     lines = []
-    later = [point for point in front(some, what) if point.times[what] >= 1.0]
-    rivals = [point for point in later if not point.is_ours]
+    best = front(some, what)
+    # What is there before a second is still the best until something nearer is.
+    ends = [*(point.times[what] for point in best[1:]), np.inf]
+    rivals = [k for k, end in enumerate(ends) if end > 1.0 and not best[k].is_ours]
     if rivals:
         names = ", ".join(
-            f"{p.way} ({p.times[what]:.1f} s, {p.errors['mean']:.2f})" for p in rivals
+            f"{p.way} ({p.times[what]:.1f} s, {p.errors['mean']:.2f})"
+            for p in (best[k] for k in rivals)
         )
-        lines.append(f"not all of the front is ours: {names}")
-    elif later:
+        since = ends[rivals[-1]]
+        then = f"; from {since:.1f} s on it is" if np.isfinite(since) else ""
+        lines.append(f"not all of the front is ours: {names}{then}")
+    elif best:
         lines.append("from one second on the front is ours alone")
     ours = [point for point in some if point.is_ours and what in point.times]
     today = [p for p in some if p.family.startswith(TODAY) and what in p.times]
@@ -183,7 +188,8 @@ def caption(rows: Sequence[Mapping[str, str]]) -> str:
     return (
         f"Processor seconds on {on['processor']}, {on['cores']} cores, no GPU: Eevee draws by "
         f"software. {on['system']}, Python {on['python']}, NumPy {on['numpy']}, Blender {blender}, "
-        f"{date.today().isoformat()}. Judged by Cycles at fifteen wavelengths with every bounce."
+        f"{date.today().isoformat()}. Numbers: samples a pixel. Judged by Cycles at fifteen "
+        "wavelengths with every bounce."
     )
 
 

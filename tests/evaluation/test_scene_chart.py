@@ -54,14 +54,18 @@ def test_the_front_is_what_nothing_beats():
 
 def test_what_is_not_ours_on_the_front_is_said():
     said = "; ".join(verdict(points(ROWS)))
-    assert "not all of the front is ours: RGB 64 (1.5 s, 1.20)" in said and "RGB 16" not in said
+    # What was there before a second is the best until something nearer is.
+    rivals = "RGB 16 (0.5 s, 3.00), RGB 64 (1.5 s, 1.20); from 6.0 s on it is"
+    assert f"not all of the front is ours: {rivals}" in said
     assert "never reaches ours' mean error: 0.70 at best, ours 0.30" in said
     # Ours' first of at most 1.5 times the least error, against the best that is there by then.
     assert "in 6.0 s RGB × RGB has 3.3 times ours' 95th percentile" in said
-    alone = verdict(points([each for each in ROWS if each["way"] != "RGB 64"]))
+    early = row("ours at once", "Ours in Cycles", 0.9, 1.0)
+    alone = verdict(points([early, *ROWS]))
     assert alone[0] == "from one second on the front is ours alone"
     better = points([*ROWS, row("RGB exact", "Cycles RGB", 90.0, 0.1)])
     assert any("RGB × RGB reaches ours' mean error" in line for line in verdict(better))
+    assert verdict(better)[0].endswith("RGB exact (90.0 s, 0.10)")  # and none after it
 
 
 def test_files_say_what_was_measured_and_what_was_not(tmp_path):
@@ -119,6 +123,35 @@ def test_measuring_goes_on_where_it_was_stopped(program, monkeypatch, tmp_path):
     assert done == [("sun", "Cycles RGB, 16 samples")] and len(rows) == 4
     with pytest.raises(InputError, match="--ways"):
         program.measure(["sun"], ["no such way"], tmp_path, tmp_path)
+
+
+def test_what_others_measure_meanwhile_stays(program, monkeypatch, tmp_path):
+    path = tmp_path / "scenes.csv"
+
+    def in_a_process(work, *arguments):
+        if work == program.prepared:
+            return {"street": "a scene"}, ".program", ["Cycles RGB, 16 samples"]
+        others = row("Mitsuba 3, 16 samples", "Mitsuba 3", 1.0, 1.0)
+        program.write_csv(path, FIELDS, [[others[field] for field in FIELDS]])
+        return [{}]
+
+    monkeypatch.setattr(program, "_in_a_process", in_a_process)
+    program.measure(["street"], ["*"], tmp_path, tmp_path)
+    ways = [each["way"] for each in program.read(path)]
+    assert ways == ["Mitsuba 3, 16 samples", "Cycles RGB, 16 samples"]
+
+
+def test_without_the_peers_one_line_says_how_to_have_them(program, monkeypatch, tmp_path, capsys):
+    pytest.importorskip("bpy", reason="bpy is not installed")
+    import ways
+
+    assert {"Mitsuba 3, 16 samples", "Radiance, low quality"} < set(ways.WAYS)
+    monkeypatch.setattr("ways_peers.peer.PYTHON", tmp_path / "python")
+    assert ways.there() == [name for name in ways.WAYS if not name.startswith(("Mits", "Radi"))]
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("Mitsuba 3 and Radiance: ") and "sh tests/peers/run" in line
+    monkeypatch.setattr("ways_peers.peer.PYTHON", tmp_path)
+    assert ways.there() == list(ways.WAYS) and not capsys.readouterr().err
 
 
 def test_a_table_of_other_columns_is_refused(program, tmp_path):

@@ -30,19 +30,25 @@ def emitter(request):
     return {"type": "envmap", "filename": request["file"], "to_world": turn}
 
 
+def curve(wavelengths, values):
+    """Return a spectrum, by straight lines between its wavelengths [nm] and 0 beyond."""
+    return {
+        "type": "irregular",
+        "wavelengths": ",".join(f"{value:g}" for value in wavelengths),
+        "values": ",".join(f"{value:.6g}" for value in values),
+    }
+
+
 def square(face, column, row, reflectance, wavelengths):
     """Return one patch; the middle of all patches is the origin."""
     right, up, normal = (np.array(face[name]) for name in ("right", "up", "normal"))
     middle = (column - 2.5) * right + (1.5 - row) * up
     matrix = np.eye(4)
     matrix[:3] = np.stack([0.5 * right, 0.5 * up, normal, middle], axis=1)
-    curve = {"type": "irregular"}
-    curve["wavelengths"] = ",".join(f"{value:g}" for value in wavelengths)
-    curve["values"] = ",".join(f"{value:.6f}" for value in reflectance)
     return {
         "type": "rectangle",
         "to_world": mi.ScalarTransform4f(matrix.tolist()),
-        "bsdf": {"type": "diffuse", "reflectance": curve},
+        "bsdf": {"type": "diffuse", "reflectance": curve(wavelengths, reflectance)},
     }
 
 
