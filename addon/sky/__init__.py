@@ -1,0 +1,1 @@
+"""Skies: read from files, taken apart for lighting, and simulated. Without Blender."""

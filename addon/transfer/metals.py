@@ -27,20 +27,6 @@ def conductor(n: ArrayLike, k: ArrayLike, cosine: ArrayLike = 1.0) -> NDArray[np
     return 0.5 * (np.abs(s) ** 2 + np.abs(p) ** 2)
 
 
-def schlick_82(F0: ArrayLike, tint: ArrayLike, cosine: ArrayLike) -> NDArray[np.float64]:
-    """Return the curve that shaders draw between F0 and an edge tint, (..., c), for colours (c,).
-
-    Schlick's, less what makes it ``tint`` times its own value at 82°: Blender's F82 Tint.
-    C. Kutz, M. Hašan and J. Edmondson 2021, "Novel aspects of the Adobe Standard Material", after
-    N. Hoffman. Linear in F0, and in the product of tint and its value at 82°.
-    """
-    cosine = np.asarray(cosine, dtype=float)[..., None]
-    F0 = np.asarray(F0, dtype=float)
-    plain = F0 + (1.0 - F0) * (1.0 - cosine) ** 5
-    at_edge = (F0 + (1.0 - F0) * (1.0 - EDGE) ** 5) * (1.0 - np.asarray(tint, dtype=float))
-    return plain - at_edge * cosine * (1.0 - cosine) ** 6 / (EDGE * (1.0 - EDGE) ** 6)
-
-
 def tints(
     n: ArrayLike, k: ArrayLike, spectrum: ArrayLike, space: str = DEFAULT_SPACE
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

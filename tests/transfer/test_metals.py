@@ -6,8 +6,22 @@ import pytest
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS, resample
 from spectral_skylight.addon.spectra.illuminants import D65
 from spectral_skylight.addon.spectra.refraction import read_nk
-from spectral_skylight.addon.transfer.metals import EDGE, conductor, schlick_82, tints
+from spectral_skylight.addon.transfer.metals import EDGE, conductor, tints
 from spectral_skylight.addon.transfer.prefilter import prefiltered
+
+
+def schlick_82(F0, tint, cosine):
+    """Return the curve that shaders draw between F0 and an edge tint, (..., c), for colours (c,).
+
+    Schlick's, less what makes it ``tint`` times its own value at 82°: Blender's F82 Tint.
+    C. Kutz, M. Hašan and J. Edmondson 2021, "Novel aspects of the Adobe Standard Material", after
+    N. Hoffman. Linear in F0, and in the product of tint and its value at 82°.
+    """
+    cosine = np.asarray(cosine, dtype=float)[..., None]
+    F0 = np.asarray(F0, dtype=float)
+    plain = F0 + (1.0 - F0) * (1.0 - cosine) ** 5
+    at_edge = (F0 + (1.0 - F0) * (1.0 - EDGE) ** 5) * (1.0 - np.asarray(tint, dtype=float))
+    return plain - at_edge * cosine * (1.0 - cosine) ** 6 / (EDGE * (1.0 - EDGE) ** 6)
 
 
 def edge_tint(n, k):
