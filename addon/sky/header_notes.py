@@ -10,10 +10,11 @@ from typing import Any, BinaryIO
 from ..errors import InputError
 from .declared_colours import Declared, declared
 from .exr_file import look
-from .exr_header import AGAIN, MAGIC
+from .exr_header import AGAIN, MAGIC, read_header
 from .exr_layers import shown
 from .known_spectrum import ATTRIBUTE, KnownSpectrum
-from .radiance_hdr import read_radiance_header
+from .radiance_hdr import SPECTRA, read_radiance_header
+from .spectral_layout import find_spectra
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,8 @@ class Said:
     white_luminance: float | None = None
     """[cd/m²] of (1, 1, 1), OpenEXR's ``whiteLuminance``; None where it is not said."""
     spectrum: KnownSpectrum | None = None
+    in_channels: bool = False
+    """Whether the pixels themselves are spectra, of which Blender shows three channels or none."""
 
 
 def said_by(header: Mapping[str, Any], place: object) -> Said:
@@ -72,7 +75,12 @@ def read_said(file: BinaryIO, size: int, place: object) -> Said:
     magic = file.read(len(MAGIC))
     file.seek(0)
     if magic == MAGIC:
+        layout = find_spectra(read_header(file, size, place), place)
+        if layout is not None:
+            return replace(said_by({}, place), in_channels=True)
+        file.seek(0)
         return said_by(look(file, size, place)[2], place)
     if magic.startswith(b"#?"):
-        return said_by(read_radiance_header(file, size, place), place)
+        header = read_radiance_header(file, size, place)
+        return replace(said_by(header, place), in_channels=header.get("FORMAT") == SPECTRA)
     raise InputError(place, "is neither OpenEXR nor Radiance (.hdr)", AGAIN)

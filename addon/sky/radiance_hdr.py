@@ -74,9 +74,13 @@ def read_radiance(path: Path) -> tuple[NDArray[np.float32], dict[str, object]]:
 
 
 def read_radiance_header(file: BinaryIO, size: int, place: object) -> dict[str, object]:
-    """Return the header of an open file of ``size`` bytes; raises `InputError` if it is damaged."""
+    """Return the header of an open file of ``size`` bytes, of RGB or of spectra.
+
+    Raises `InputError` if it is damaged.
+    """
     header = parse_header(place, file.read(_HEADER))[4]
-    _check_rgb(header, place)
+    if header.get("FORMAT") != SPECTRA:
+        _check_rgb(header, place)
     return header
 
 

@@ -5,6 +5,7 @@ import numpy as np
 import OpenEXR
 import pytest
 
+from spectral_skylight.addon.errors import InputError
 from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.explain import explain
 from spectral_skylight.addon.scene.materials import spectral_material
@@ -88,6 +89,34 @@ def test_matrices_are_from_its_own_spectrum(tmp_path, name):
     use_cases.update(scene, settings.stored(scene.world))
     check()
     assert panorama.light_of(scene.world, observer()).spectrum is not None
+
+
+@pytest.mark.parametrize("name", ["piz.exr", "genssky.hsr"])
+def test_a_world_made_by_hand_of_a_file_of_spectra_says_what_it_lacks(tmp_path, name):
+    scene = faces.empty_scene()
+    KINDS[name](tmp_path / name)
+    world = scene.world = bpy.data.worlds.new("By Hand")
+    if bpy.app.version < (5, 0, 0):
+        world.use_nodes = True
+    nodes = world.node_tree.nodes
+    texture = nodes.new("ShaderNodeTexEnvironment")
+    texture.image = bpy.data.images.load(str(tmp_path / name))
+    shown = next(node for node in nodes if node.type == "BACKGROUND")
+    world.node_tree.links.new(texture.outputs[0], shown.inputs[0])
+    material = bpy.data.materials.new("Paint")
+    faces.add_faces(scene, np.array([[0.0, 0.0, 1.0]]))
+    scene.objects[0].data.materials.append(material)
+    given = {material: Assignment("red", colorchecker()[1][14])}
+    said = "its file holds spectra, which Blender does not show"
+    if name.endswith(".hsr"):  # which Blender loads nothing of
+        with pytest.raises(InputError, match=f"{said}; load it with Load Sky HDRI$"):
+            use_cases.make_spectral(scene, given, OPEN)
+        return
+    use_cases.make_spectral(scene, given, OPEN)
+    (note,) = [each for each in light_group.record_of(world).notes if said in each]
+    assert note.endswith("load it with Load Sky HDRI, which uses them")
+    use_cases.load_sky(scene, tmp_path / name, OPEN)
+    assert not any(said in each for each in light_group.record_of(scene.world).notes)
 
 
 def test_a_basis_that_is_chosen_is_kept(tmp_path):

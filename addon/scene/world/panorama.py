@@ -112,6 +112,7 @@ def reading(image: bpy.types.Image) -> Generator[Progress, None, np.ndarray]:
         matrix = np.eye(3) if raw else rec709_to_working(working_space.name())
         return sky_image.read_layer(image).rgb @ matrix.T.astype(np.float32)
     if width == 0 or height == 0:
+        sky_image.check_shown(image)
         file = bpy.path.abspath(image.filepath, library=image.library)
         raise InputError(place, f'cannot be read from "{file}"', "restore or pack the file")
     if not image.is_float:

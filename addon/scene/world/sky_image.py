@@ -30,6 +30,7 @@ from ..blend_data import kept, working_space
 from ..files.exr_decoder import read_sky
 
 LOAD = "load it with Load Sky HDRI"
+SPECTRA = "its file holds spectra, which Blender does not show"
 
 
 def load(path: Path, raw: bool = False, shown: bpy.types.Image | None = None) -> bpy.types.Image:
@@ -177,6 +178,8 @@ def notes(image: bpy.types.Image) -> list[str]:
     if said is None:
         return []
     tag = image.colorspace_settings
+    if said.in_channels:
+        return [f"{SPECTRA}; {LOAD}, which uses them"]
     found = list(said.declared.told)
     if said.layer:
         found.append(f"{said.layer}; {LOAD}, so that Blender shows the same")
@@ -207,6 +210,13 @@ def check_whole(image: bpy.types.Image) -> None:
     if said is not None and said.black:
         what = "its file is cropped, and Blender stretches it over the whole sphere"
         raise InputError(f'image "{image.name}"', what, f"{LOAD}, which fills in black")
+
+
+def check_shown(image: bpy.types.Image) -> None:
+    """Raise InputError for an image that Blender cannot load because its file holds spectra."""
+    said = _said(image)
+    if said is not None and said.in_channels:
+        raise InputError(f'image "{image.name}"', SPECTRA, LOAD)
 
 
 def read_layer(image: bpy.types.Image) -> Panorama:
