@@ -59,6 +59,8 @@ UNBAKED = "spectral_skylight_unbaked"
 """Names of objects whose bake is missing or old, as JSON."""
 PICTURE = "spectral_skylight_picture"
 """On a scene whose view shows colors as computed: what it had before."""
+EXPOSURE = "spectral_skylight_exposure"
+"""On a scene whose view's exposure is ours: what we have set it to."""
 VIEW = "spectral_skylight_view"
 """On a scene whose white is ours: its view before, and as we set it."""
 

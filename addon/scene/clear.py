@@ -14,7 +14,7 @@ from .bake import scene_bake
 from .day import day_world
 from .lights import lighting
 from .materials import spectral_material
-from .world import hdri, own_worlds
+from .world import hdri, own_worlds, view_exposure
 
 OF_SCENES = (tags.LEFT_ALONE, tags.UNBAKED)
 OF_WORLDS = (tags.SETTINGS,)
@@ -26,7 +26,7 @@ def is_anything_ours() -> bool:
         bool(spectral_material.ours())
         or any(groups.KIND in tree for tree in bpy.data.node_groups)
         or any(tags.WORLD_BEFORE in world for world in bpy.data.worlds)
-        or any(tag in scene for scene in bpy.data.scenes for tag in OF_SCENES)
+        or any(tag in scene for scene in bpy.data.scenes for tag in (*OF_SCENES, tags.EXPOSURE))
     )
 
 
@@ -42,6 +42,7 @@ def clear() -> list[str]:
         return lines
     for scene in [each for each in bpy.data.scenes if each.is_editable]:
         lighting.clear(scene)
+        view_exposure.give_back(scene)
         for tag in OF_SCENES:
             scene.pop(tag, None)
     for world in bpy.data.worlds:

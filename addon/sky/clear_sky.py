@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, parameter
+from ..spectra.grid import WEIGHTS
 from ..spectra.photometry import LUMINOUS_EFFICACY
-from ..spectra.sensitivities import observer
+from ..spectra.sensitivities import cmfs, observer
 from .known_spectrum import ATTRIBUTE, ROWS, KnownSpectrum, cell_means
 from .scattering import direction
 from .simulation import simulate
@@ -142,6 +143,17 @@ def header_of(sky: Sky, sun_azimuth: float = 180.0, sun_disc: bool = False) -> d
     """Return what the file of a sky in the manner of `sky_rgb` says of it: units and spectra."""
     spectrum = spectrum_of(sky, sun_azimuth, sun_disc).to_text()
     return {"whiteLuminance": WHITE_LUMINANCE, ATTRIBUTE: spectrum}
+
+
+def white_of(sky: Sky) -> float:
+    """Return the luminance of a white surface that looks at the sun, about the brightest there is.
+
+    In the units of `sky_rgb`; of one that looks up where the sun is under the horizon.
+    """
+    shines = sky.sun_elevation > 0.0
+    share = (1.0 + np.sin(np.radians(sky.sun_elevation))) / 2.0 if shines else 1.0
+    light = share * sky.irradiance() + shines * sky.direct
+    return float(light @ (WEIGHTS * cmfs()[1])) * SCALE / np.pi
 
 
 def _add_disc(

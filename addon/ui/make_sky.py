@@ -36,7 +36,8 @@ spectral materials"""
 def report(scene: bpy.types.Scene, found) -> list[tuple[str, str]]:
     """What came of a simulated sky, an `Outcome`, as lines for the person."""
     count = f", {len(found.results)} material(s) updated" if found.results else ""
-    lines = [("INFO", f"{line}{count}") for line in found.lines]
+    first, *others = found.lines
+    lines = [("INFO", line) for line in (f"{first}{count}", *others)]
     return [*give.warnings(found.skipped), *lines, *operator.of_light(scene)]
 
 

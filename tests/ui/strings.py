@@ -53,6 +53,7 @@ SENTENCES = (
     "scene/world/hdri.py",
     "scene/world/panorama.py",
     "scene/world/simulated_sky.py",
+    "scene/world/view_exposure.py",
     "scene/world/view_transform.py",
     "scene/write.py",
     "sky/direct_sun.py",

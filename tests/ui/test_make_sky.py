@@ -237,6 +237,33 @@ def test_the_suns_paths_are_in_the_panel(scene, quick):
     preview_cache.clear()
 
 
+def test_the_view_is_exposed_for_it_until_a_person_does(scene, quick, tmp_path):
+    view = scene.view_settings
+    choose(scene, time=13.25)
+    bpy.ops.skylight.make_sky()
+    # A white wall that faces some 100,000 lx, over pi and 10,000 cd/m^2, is 2^1.7.
+    assert view.exposure == pytest.approx(-1.7, abs=0.3)
+    noon, level = view.exposure, light_of(scene).faces[0]
+    choose(scene, time=20.5)
+    bpy.ops.skylight.make_sky()
+    assert noon + 1.0 < view.exposure < 3.0  # the sun is still there
+    choose(scene, time=13.25)
+    bpy.ops.skylight.make_sky()
+    assert view.exposure == noon
+    np.testing.assert_array_equal(light_of(scene).faces[0], level)
+    scene.world.skylight.exposure = -1.0  # the sky itself, by a person
+    bpy.ops.skylight.make_sky()
+    assert view.exposure == pytest.approx(noon + 1.0)
+    view.exposure = 0.25
+    bpy.ops.skylight.make_sky()
+    assert view.exposure == 0.25
+    view.exposure = 0.0
+    bpy.ops.skylight.make_sky()
+    assert view.exposure == pytest.approx(noon + 1.0)
+    bpy.ops.skylight.remove_all()
+    assert view.exposure == 0.0
+
+
 def made(scene):
     return simulated_sky.made_of(hdri.sky_of(scene.world).image)
 

@@ -11,7 +11,7 @@ import bpy
 from ...progress import Progress, run
 from ..day import animate as animation
 from ..outcome import Outcome
-from ..world import own_worlds, simulated_sky
+from ..world import hdri, own_worlds, simulated_sky, view_exposure
 from ..world.settings import Settings, store
 from .materials import animated, editable, given_before, in_scene, updating
 from .world import checking, setting_sky
@@ -33,6 +33,7 @@ def loading_sky(
     yield from checking(settings)
     ours, skipped = editable(in_scene(scene))
     yield from setting_sky(scene, path, settings)
+    view_exposure.give_back(scene)  # it was for another sky
     found = yield from updating(scene, settings, ours, relight)
     return replace(found, skipped=skipped)
 
@@ -53,10 +54,13 @@ def simulating_sky(
     """Light a scene by the sky of a date and a place, and let its spectral materials follow;
     ``relight`` as in `making_spectral`.
 
-    Raises InputError as `simulated_sky.drawing` and `showing_sky` do; the scene is untouched then.
+    The view's exposure follows, as `view_exposure.expose` says. Raises InputError as
+    `simulated_sky.drawing` and `showing_sky` do; the scene is untouched then.
     """
     drawn = yield from simulated_sky.drawing(place)
-    return (yield from showing_sky(scene, drawn, settings, relight))
+    found = yield from showing_sky(scene, drawn, settings, relight)
+    line = view_exposure.expose(scene, drawn.white * hdri.strength(scene.world))
+    return replace(found, lines=[*found.lines, line]) if line else found
 
 
 def showing_sky(

@@ -210,6 +210,14 @@ def develop(scene: bpy.types.Scene, matrix) -> bpy.types.World:
     return scene.world
 
 
+def strength(world: bpy.types.World | None) -> float:
+    """Return what a World multiplies its sky by; 1 where no value says."""
+    background = sky_of(world).background
+    if world is None or background is None:
+        return 1.0
+    return float(world.node_tree.nodes[background].inputs["Strength"].default_value)
+
+
 def undevelop(world: bpy.types.World) -> None:
     """Take the matrix of `develop` off a World: its Background shows the texture's own numbers."""
     node = _matrix_node(world)

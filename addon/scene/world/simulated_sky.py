@@ -50,14 +50,15 @@ class Drawn:
     """A simulated sky as it becomes an image: numbers alone, nothing of Blender.
 
     ``rgb`` (h, 2 h, 3) in linear Rec.709; ``attributes``: of its EXR; ``elevation``: the sun's
-    [degrees]; ``kind``: what the sky is called, empty for a clear one; ``place`` and ``quality``:
-    what it was made of.
+    [degrees]; ``kind``: what the sky is called, empty for a clear one; ``white``: as `white_of`
+    has it; ``place`` and ``quality``: what it was made of.
     """
 
     rgb: NDArray[np.float32]
     attributes: dict[str, Any]
     elevation: float
     kind: str
+    white: float
     place: SkyPlace
     quality: str
 
@@ -74,7 +75,7 @@ def drawing(place: SkyPlace, quality: str = default(QUALITIES)) -> Generator[Pro
     `Atmosphere`, `read_hour` and `under_weather` do, and for a sun lower than skies are simulated.
     """
     from ...sky.atmosphere import Atmosphere
-    from ...sky.clear_sky import SCALE, header_of, picture
+    from ...sky.clear_sky import SCALE, header_of, picture, white_of
     from ...sky.epw import read_hour
     from ...sky.simulation import LOWEST_SUN, simulating
     from ...sky.sun_position import sun_position
@@ -105,7 +106,8 @@ def drawing(place: SkyPlace, quality: str = default(QUALITIES)) -> Generator[Pro
         sky, kind = under_weather(clear, cie=cie, hour=hour)
         rgb = picture(sky, HEIGHT, *view, observer() * SCALE)
         kind = "" if sky is clear else kind
-        return Drawn(rgb, header_of(sky, *view), elevation, kind, place, quality)
+        white = white_of(sky)
+        return Drawn(rgb, header_of(sky, *view), elevation, kind, white, place, quality)
 
     return (yield from aside(Progress(1.0, "sky"), drawn))
 
