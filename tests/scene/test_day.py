@@ -18,9 +18,11 @@ from spectral_skylight.addon.scene.materials import spectral_material
 from spectral_skylight.addon.scene.world import capture, hdri
 from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.scene.world.simulated_sky import SkyPlace
+from spectral_skylight.addon.sky.atmosphere import Atmosphere
 from spectral_skylight.addon.sky.clear_sky import SCALE, picture
 from spectral_skylight.addon.sky.light import FACES
 from spectral_skylight.addon.sky.polynomial import evaluate_polynomial
+from spectral_skylight.addon.sky.simulation import Quality, simulating
 from spectral_skylight.addon.sky.sun_position import sun_position
 from spectral_skylight.addon.spectra.colorchecker import colorchecker
 from spectral_skylight.addon.spectra.sensitivities import observer
@@ -86,6 +88,23 @@ def shown(scene, material, elevation):
     return strength * (light @ np.array(matrix).T + direct + from_below)
 
 
+def found_and_true(scene, materials, elevation):
+    """What materials' nodes make of the World's light, what they had to, and what white does."""
+    own = animate._new_world(scene, OPEN)
+    given = use_cases.given_before(materials)
+    true = run(animate.computing(scene, own, PLACE, elevation, given, OPEN))
+    own.use_fake_user = False
+    bpy.data.worlds.remove(own)
+    return [
+        (
+            shown(scene, material, elevation),
+            true.level * true.colours[:, 24 + k],
+            true.level * true.white[:, 0],
+        )
+        for k, material in enumerate(materials)
+    ]
+
+
 def rows(materials):
     """What materials make of red, green and blue in red."""
     nodes = [spectral_material.surface_node(material) for material in materials]
@@ -96,16 +115,8 @@ def test_colours_are_those_of_the_sky_of_the_moment(day):
     """At a moment between key skies, on nine faces, by the values that a file plays."""
     scene, materials, _ = day
     elevation, _ = at(scene, 77)
-    own = animate._new_world(scene, OPEN)
-    given = use_cases.given_before(materials)
-    true = run(animate.computing(scene, own, PLACE, elevation, given, OPEN))
-    own.use_fake_user = False
-    bpy.data.worlds.remove(own)
-    for k, material in enumerate(materials):
-        expected = true.level * true.colours[:, 24 + k]
-        found = shown(scene, material, elevation)
-        white = true.level * true.white[:, 0]
-        assert delta_E(found, expected, white).max() < 0.3
+    for each in found_and_true(scene, materials, elevation):
+        assert delta_E(*each).max() < 0.3
 
 
 def test_what_is_seen_is_the_sky_of_the_moment(day):
@@ -202,11 +213,22 @@ def test_another_material_moves_too_and_nothing_of_the_first_day_stays(day, monk
     assert (scene.frame_start, scene.frame_end) == (1, 121)
 
 
+def coarse(place, elevation):
+    """A grainy sky of an elevation: its grain is in the truth too, and changes smoothly."""
+    quality = Quality(once=(24, 13), more=(10, 7), ways=32, shells=16)
+    air = Atmosphere(haze=place.haze, ozone=place.ozone, ground=place.ground)
+    return simulating(elevation, air, quality=quality)
+
+
 def test_a_day_goes_through_sunrise(day, monkeypatch):
-    """Coarsely, for there the light of the sun comes and goes, and with it parts of the shader."""
-    scene, _, _ = day
-    monkeypatch.setattr(animate, "find", partial(find, within=100.0))
-    run(use_cases.animate(scene, replace(DAY, first="05:00", until="05:40", frames=41), OPEN))
+    """There the light of the sun comes and goes, and with it parts of the shader; what surfaces
+    show is judged at moments that the search did not look at."""
+    scene, materials, _ = day
+    monkeypatch.setattr(animate, "over", coarse)
+    found = run(
+        use_cases.animate(scene, replace(DAY, first="05:17", until="05:23", frames=41), OPEN)
+    )
+    assert float(found.lines[0].split("at most ")[1].split()[0]) <= 0.3
     surface = skylight_surface.find(scene.world)
     probe = skylight_surface.part(surface, skylight_surface.PROBE)
     driven = {each.data_path for each in probe.animation_data.drivers}
@@ -217,6 +239,13 @@ def test_a_day_goes_through_sunrise(day, monkeypatch):
         shine.append(light_probe.colour(probe, light_probe.SUN))
     assert shine[0] == (0.0, 0.0, 0.0) and min(shine[1]) > 0.0
     assert scene.world["spectral_skylight_sun_elevation"] > 0.27
+    heights = []
+    for frame in (8, 33):
+        scene.frame_set(frame)
+        heights.append(float(scene.world[tags.SUN_ELEVATION]))
+        apart = [delta_E(*each).max() for each in found_and_true(scene, materials, heights[-1])]
+        assert max(apart) < 0.3
+    assert heights[0] < -0.1 and 0.1 < heights[1]
 
 
 def test_remove_all_removes_it_whole(day):

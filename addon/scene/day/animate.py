@@ -197,7 +197,7 @@ def computing(
 
 
 def _write(scene: bpy.types.Scene, world: bpy.types.World, found: KeySkies) -> None:
-    """Write each key sky's light in turn, and let all that differed follow.
+    """Write each moment's light in turn, and let all that differed follow.
 
     Downwards, for what a light that is missing would make of materials stays as it was last; then
     again the one with most lights, which the shader is left to hold.
@@ -205,22 +205,23 @@ def _write(scene: bpy.types.Scene, world: bpy.types.World, found: KeySkies) -> N
     scene.world = world
     day_world.stop_unused()
 
-    def parts(key: Moment) -> tuple[bool, bool, float]:
-        features = key.plan.lights.features
-        return features.probe, features.ground, key.elevation
+    def parts(moment: Moment) -> tuple[bool, bool, float]:
+        features = moment.plan.lights.features
+        return features.probe, features.ground, moment.elevation
 
     gathered: dict[float, dict[values.Place, float]] = {}
-    for key in [*reversed(found.keys), max(found.keys, key=parts)]:
-        for _ in write(key.plan):
+    for moment in [*reversed(found.moments), max(found.moments, key=parts)]:
+        for _ in write(moment.plan):
             pass
-        given = [m.material for m in key.plan.materials] + list(key.plan.panes)
-        gathered[key.elevation] = values.gather(world, lighting.scenes_of(world), given)
-    sunny = [k for k, key in enumerate(found.keys) if key.plan.lights.sun is not None] or [0]
-    nearest = [min(sunny, key=lambda one: abs(one - k)) for k in range(len(found.keys))]
+        given = [m.material for m in moment.plan.materials] + list(moment.plan.panes)
+        gathered[moment.elevation] = values.gather(world, lighting.scenes_of(world), given)
+    all_of = found.moments
+    sunny = [k for k, one in enumerate(all_of) if one.plan.lights.sun is not None] or [0]
+    nearest = [min(sunny, key=lambda one: abs(one - k)) for k in range(len(all_of))]
     values.drive_all(
         world,
-        [key.elevation for key in found.keys],
-        [key.level for key in found.keys],
-        np.array([found.keys[k].even for k in nearest]),
-        [gathered[key.elevation] for key in found.keys],
+        [one.elevation for one in all_of],
+        [one.level for one in all_of],
+        np.array([all_of[k].even for k in nearest]),
+        [gathered[one.elevation] for one in all_of],
     )

@@ -25,7 +25,8 @@ from ..lights import lighting, sun_lamp
 from ..world import hdri as worlds
 from . import tiles as key_skies
 from . import values
-from .moments import KeySkies, slopes
+from .curves import slopes
+from .moments import KeySkies, levels_of
 
 NIGHT = np.arange(1.0, 13.0)
 """[degrees] below the lowest sky that is simulated, to which it fades as it has faded until there;
@@ -44,9 +45,13 @@ def install(
     """
     tree, sky = world.node_tree, worlds.sky_of(world)
     mapping, background = tree.nodes[sky.mapping], tree.nodes[sky.background]
-    heights = [key.elevation for key in found.keys]
+    heights = [moment.elevation for moment in found.moments]
     group = day_sky.ensure()
-    day_sky.set_image(group, _image([key.look.tile for key in found.keys]), len(found.keys))
+    day_sky.set_image(
+        group,
+        _image([key.look.tile for key in found.keys if key.look.tile is not None]),
+        len(found.keys),
+    )
     node = groups.add(tree, "ShaderNodeGroup", mapping.outputs[0], node_tree=group)
     node.name = node.label = day_sky.KIND
     node.location = background.location.x - 200, background.location.y - 300
@@ -58,18 +63,23 @@ def install(
     key(tree, mapping.inputs["Rotation"].path_from_id("default_value"), 2, turn, frames)
 
     def follow(owner: Any, path: str, axis: int, rows: Sequence[float] | NDArray) -> None:
-        values.drive(owner, path, axis, world, heights, np.asarray(rows, float))
+        numbers = np.asarray(rows, float)
+        values.drive(owner, path, axis, world, heights, numbers, slopes(np.array(heights), numbers))
 
     ends = np.array([-90.0, 90.0])
     height = node.inputs["Elevation"].path_from_id("default_value")
     values.drive(tree, height, -1, world, ends, ends)
-    follow(tree, node.inputs["Key"].path_from_id("default_value"), -1, np.arange(len(heights)))
-    colors = {"Sun": [one.disc for one in found.keys], "Ground": [one.below for one in found.keys]}
+    place = node.inputs["Key"].path_from_id("default_value")
+    values.drive(tree, place, -1, world, heights, found.places)
+    colors = {
+        "Sun": [one.disc for one in found.moments],
+        "Ground": [one.below for one in found.moments],
+    }
     for name, rows in colors.items():
         path = node.inputs[name].path_from_id("default_value")
         for axis in range(3):
             follow(tree, path, axis, np.array(rows)[:, axis])
-    follow(world, "sun_threshold", -1, [THRESHOLD * one.brightest for one in found.keys])
+    follow(world, "sun_threshold", -1, [THRESHOLD * one.brightest for one in found.moments])
     strength = background.inputs["Strength"].path_from_id("default_value")
     values.drive(tree, strength, -1, world, *_levels(found))
     for scene in lighting.scenes_of(world):
@@ -89,12 +99,9 @@ def key(owner: bpy.types.ID, path: str, axis: int, curve: Curve, frames: NDArray
 
 def _levels(found: KeySkies) -> tuple[NDArray, NDArray, NDArray]:
     """Elevations, levels and how these rise: of all moments computed, and of the night."""
-    x, level = (np.array(each) for each in zip(*found.levels, strict=True))
-    rise = slopes(x, np.log(level))
-    y = level
-    slope = rise * level
-    fade = max(float(rise[0]), 1.0)
-    y = np.concatenate([level[0] * np.exp(-fade * NIGHT[::-1]), y])
+    x, level, slope = levels_of(dict(found.levels))
+    fade = max(float(slope[0] / level[0]), 1.0)
+    y = np.concatenate([level[0] * np.exp(-fade * NIGHT[::-1]), level])
     y[0] = 0.0
     slope = np.concatenate([fade * y[: len(NIGHT)], slope])
     return np.concatenate([x[0] - NIGHT[::-1], x]), y, slope

@@ -2,13 +2,15 @@
 
 What a sky is, but for its turn, depends on the sun's elevation alone. All that the file will hold
 is in units of the sky's own light on level ground, `Moment.level`, which changes by a factor of
-hundreds in twilight; the rest changes slowly, and is mixed in straight lines between two moments.
+hundreds in twilight; the rest changes slowly. Numbers follow `curves` through all moments that were
+computed; pictures of the sky, which take more room, are kept of few and mixed two by two.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
 from dataclasses import dataclass, fields
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -26,19 +28,20 @@ from ...transfer.measures import delta_E
 from ...transfer.prefilter import balanced_rgb
 from ..plan import Plan
 from . import tiles
-
-EDGE = 0.27
-"""[degrees]. The sun's disc is wholly under the horizon at less than -this, wholly over it at more;
-between the two its light grows evenly."""
+from .curves import SEAM, between, neighbours, slopes
 
 WITHIN = 0.3
-"""CIEDE2000 between two key skies, against the sky computed for that height of the sun."""
+"""CIEDE2000 between moments, against the sky computed for that height of the sun."""
 
-MOST = 48
-"""Key skies."""
+MARKS = 0.0, SEAM, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0
+"""[degrees] of moments that are always computed, if the sun comes so high or low: the lower it
+stands, the faster all changes. That they are the same for all days, simulated skies are reused."""
+
+MOST = 96
+"""Moments."""
 
 LEAST = 0.05
-"""[degrees] between two key skies."""
+"""[degrees] between two moments."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +55,7 @@ class Look:
 
     sky: NDArray[np.float64]
     matrices: NDArray[np.float64]
-    tile: NDArray[np.float32]
+    tile: NDArray[np.float32] | None
     ground: NDArray[np.float64] | None
     of_ground: NDArray[np.float64] | None
     sun: NDArray[np.float64] | None
@@ -150,34 +153,54 @@ def _cosines(elevation: float) -> NDArray[np.float64]:
     return np.maximum(FACES @ towards, 0.0)[:, None]
 
 
-def mixed(one: Look, other: Look, share: float) -> Look:
-    """Return the look between two: what is in only one of them fades, and keeps what it does."""
+def look_between(looks: dict[float, Look], elevation: float) -> Look:
+    """Return the look of an elevation [degrees] by those around it: without a picture of the sky.
 
-    def between(name: str) -> NDArray | None:
-        a, b = getattr(one, name), getattr(other, name)
-        if a is None and b is None:
-            return None
-        if a is None or b is None:
-            there, part = (a, 1.0 - share) if b is None else (b, share)
-            return there if name.startswith("of_") else part * there
-        return (1.0 - share) * a + share * b
+    Of light that is missing around it there is none; what materials make of it is as nearby.
+    """
+    heights = np.array(sorted(looks))
+    heights = heights[neighbours(heights, elevation)]
+    found: dict[str, NDArray | None] = {"tile": None}
+    for name in [field.name for field in fields(Look) if field.name != "tile"]:
+        numbers = {h: getattr(looks[h], name) for h in heights.tolist()}
+        there = [h for h in numbers if numbers[h] is not None]
+        if not there:
+            found[name] = None
+            continue
+        for h in [h for h in numbers if numbers[h] is None]:
+            nearest = numbers[min(there, key=lambda other: abs(other - h))]
+            numbers[h] = nearest if name.startswith("of_") else np.zeros_like(nearest)
+        found[name] = between(heights, np.array(list(numbers.values())), elevation)
+    return Look(**found)  # type: ignore[arg-type]
 
-    return Look(**{field.name: between(field.name) for field in fields(Look)})
+
+def levels_of(moments: dict[float, float]) -> tuple[NDArray, NDArray, NDArray]:
+    """Return elevations, levels and how these rise, of levels by elevation."""
+    x = np.array(sorted(moments))
+    level = np.array([moments[e] for e in x.tolist()])
+    return x, level, slopes(x, np.log(level)) * level
 
 
 @dataclass(frozen=True)
 class KeySkies:
-    """The moments between which all others are mixed, by rising elevation, and what that leaves.
+    """The moments that all others follow from, by rising elevation, and what that leaves.
 
-    ``levels``: (elevation, level) of all moments that were computed; ``error``: the largest
+    ``keys``: those whose pictures are kept; ``places`` (n,): of each moment among these, whole at a
+    key and between two by the share of the upper one that fits best; ``error``: the largest
     CIEDE2000 of any surface on any face, and ``sky_error``: of the sky itself, in the mean over the
-    dome, as far as was looked: halfway between two keys.
+    dome: at each moment by those around it.
     """
 
+    moments: list[Moment]
     keys: list[Moment]
-    levels: list[tuple[float, float]]
+    places: NDArray[np.float64]
     error: float
     sky_error: float
+
+    @property
+    def levels(self) -> list[tuple[float, float]]:
+        """Elevation and level of all moments."""
+        return [(moment.elevation, moment.level) for moment in self.moments]
 
 
 def find(
@@ -186,69 +209,89 @@ def find(
     at: Callable[[float], Generator[Progress, None, Moment]],
     within: float = WITHIN,
 ) -> Generator[Progress, None, KeySkies]:
-    """Find the fewest moments, by halving, that stand for all from a lowest elevation to a highest.
+    """Find the moments, by halving, that stand for all from a lowest elevation to a highest.
 
-    ``at`` computes one of an elevation [degrees].
+    ``at`` computes one of an elevation [degrees]. An interval is halved until the moment in its
+    middle follows from all others.
     """
     known: dict[float, Moment] = {}
-    marks = sorted({low, high, *(e for e in (-EDGE, EDGE) if low < e < high)})
-    parts = [pair for pair in pairwise(marks) if pair != (-EDGE, EDGE)]
-    keys, errors, sky_errors = set(marks), [0.0], [0.0]
+    marks = sorted({low, high, *(e for e in MARKS if low < e < high)})
+    parts = [(a, b) for a, b in pairwise(marks) if b - a > 1.01 * SEAM]
+    errors = [0.0]
 
-    def computed(elevation: float, done: float) -> Generator[Progress, None, Moment]:
-        if elevation not in known:
-            step = Progress(done, f"sun at {elevation:.1f}°, {len(keys)} key skies")
-            known[elevation] = yield from mapped(at(elevation), lambda _: step)
-        return known[elevation]
+    def compute(elevations: list[float], done: float) -> Generator[Progress, None, None]:
+        for k, elevation in enumerate(elevations):
+            share = done + (0.9 - done) * 0.5 * k / len(elevations)
+            step = Progress(share, f"sun at {elevation:.1f}°, {len(known)} moments")
+            known[elevation] = yield from mapped(at(elevation), partial(_instead, step))
 
-    for mark in marks:
-        yield from computed(mark, 0.0)
+    yield from compute(marks, 0.0)
     while parts:
-        first, last = parts.pop(0)
-        middle = 0.5 * (first + last)
-        left = sum(b - a for a, b in [(first, last), *parts])
-        done = 0.9 * max(1.0 - left / max(high - low, 1e-9), 0.0)
-        true = yield from computed(middle, done)
-        level = _between_levels(known, middle)
-        look = mixed(known[first].look, known[last].look, 0.5)
-        surface, sky = _errors(look, level / true.level, true)
-        too_far = max(surface, sky) > within and last - first > 2.0 * LEAST and len(keys) < MOST
-        if too_far:
-            keys.add(middle)
-            parts += [(first, middle), (middle, last)]
-        else:
-            errors.append(surface)
-            sky_errors.append(sky)
-    levels = [(e, known[e].level) for e in sorted(known)]
-    return KeySkies([known[e] for e in sorted(keys)], levels, max(errors), max(sky_errors))
+        done = 0.9 * (1.0 - sum(b - a for a, b in parts) / max(high - low, 1e-9))
+        yield from compute([0.5 * (a + b) for a, b in parts], max(done, 0.3))
+        halved = []
+        for first, last in parts:
+            middle = 0.5 * (first + last)
+            error = _surface_error(known, middle)
+            sky = _fitting(known[first], known[last], known[middle])[1]
+            if max(error, sky) > within and last - first > 2.0 * LEAST and len(known) < MOST:
+                halved += [(first, middle), (middle, last)]
+            else:
+                errors.append(error)
+        parts = halved
+    moments = [known[e] for e in sorted(known)]
+    kept, places, sky_error = _thinned(moments, within)
+    return KeySkies(moments, [moments[k] for k in kept], places, max(errors), sky_error)
 
 
-def _errors(look: Look, factor: float, true: Moment) -> tuple[float, float]:
-    """CIEDE2000 of a mixed look, so many times the true moment's level: of surfaces at most, and of
-    the sky in the mean."""
+def _instead(step: Progress, _: Progress) -> Progress:
+    return step
+
+
+def _surface_error(known: dict[float, Moment], elevation: float) -> float:
+    """CIEDE2000 at most of what surfaces show at a known moment, by the others around it."""
+    true = known[elevation]
+    others = {e: moment for e, moment in known.items() if e != elevation}
+    look = look_between({e: moment.look for e, moment in others.items()}, elevation)
+    x, level, rise = levels_of({e: moment.level for e, moment in others.items()})
+    factor = float(between(x, level, elevation, rise)) / true.level
+    shown = factor * colours(look, elevation)
     space = true.plan.lights.transfer.space
-    surface = delta_E(factor * colours(look, true.elevation), true.colours, true.white, space)
-    white = np.ones(3) * float(LUMINANCE @ true.white[0, 0])
-    sky = delta_E(factor * look.tile, true.look.tile, white)
+    return float(delta_E(shown, true.colours, true.white, space).max())
+
+
+def _fitting(one: Moment, other: Moment, true: Moment) -> tuple[float, float]:
+    """By which share of the other's picture a moment's follows best from two, and the CIEDE2000
+    that is left of the sky in the mean."""
+    a, b, c = (np.asarray(each.look.tile, float)[::2, ::2] for each in (one, other, true))
     rows, _ = tiles.directions(true.elevation)
-    weights = np.cos(rows) * np.gradient(rows)
-    return float(surface.max()), float(weights @ sky.mean(axis=1) / weights.sum())
+    area = (np.cos(rows) * np.gradient(rows))[::2]
+    weight = (area[:, None] / np.maximum(c @ LUMINANCE, 1e-9) ** 2)[..., None]
+    share = (weight * (c - a) * (b - a)).sum() / max((weight * (b - a) ** 2).sum(), 1e-300)
+    share = min(max(float(share), 0.0), 1.0)
+    white = np.ones(3) * float(LUMINANCE @ true.white[0, 0])
+    apart = delta_E(a + share * (b - a), c, white).mean(axis=1)
+    return share, float(area @ apart / area.sum())
 
 
-def _between_levels(known: dict[float, Moment], at: float) -> float:
-    """The level at an elevation by those around it, its own aside."""
-    from ...sky.sun_course import hermite
-
-    x = np.array(sorted(e for e in known if e != at))
-    y = np.log([known[e].level for e in x.tolist()])
-    slope = slopes(x, y)
-    k = int(np.searchsorted(x, at)) - 1
-    width = x[k + 1] - x[k]
-    s = np.array((at - x[k]) / width)
-    found = hermite(s, y[k], y[k + 1], slope[k] * width, slope[k + 1] * width)
-    return float(np.exp(found))
-
-
-def slopes(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the slopes (n,) of a smooth curve at its samples: of parabolas through three."""
-    return np.gradient(y, x, edge_order=2 if len(x) > 2 else 1)
+def _thinned(moments: list[Moment], within: float) -> tuple[list[int], NDArray[np.float64], float]:
+    """Find the fewest moments from whose pictures all others' follow: which, the places of all
+    among them, and the largest error of the sky."""
+    kept, places, worst = [0], np.zeros(len(moments)), 0.0
+    while kept[-1] < len(moments) - 1:
+        first = kept[-1]
+        last, inside = first + 1, {}
+        while last + 1 < len(moments):
+            found = {
+                k: _fitting(moments[first], moments[last + 1], moments[k])
+                for k in range(first + 1, last + 1)
+            }
+            if max(error for _, error in found.values()) > within:
+                break
+            last, inside = last + 1, found
+        for k, (share, error) in inside.items():
+            places[k] = len(kept) - 1 + share
+            worst = max(worst, error)
+        places[last] = len(kept)
+        kept.append(last)
+    return kept, places, worst

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ....node_groups import light_probe, skylight_surface
 from ... import tags
 from ..lights import sun_lamp
+from .curves import slopes
 
 SAME = 1e-6
 """Of its largest, by which a value that changes less is taken to stand still."""
@@ -115,7 +116,9 @@ def drive_all(
         scale = evens[:, max(place.axis, 0)] ** place.sun
         if place.light:
             scale = scale / np.asarray(levels)
-        drive(_tree_of(world, place), place.path, place.axis, world, elevations, numbers * scale)
+        numbers = numbers * scale
+        rise = slopes(np.asarray(elevations), numbers)
+        drive(_tree_of(world, place), place.path, place.axis, world, elevations, numbers, rise)
         count += 1
     return count
 
@@ -148,11 +151,11 @@ def drive(
     world: bpy.types.World,
     elevations: Sequence[float] | NDArray[np.float64],
     values: Sequence[float] | NDArray[np.float64],
-    slopes: NDArray[np.float64] | None = None,
+    rise: NDArray[np.float64] | None = None,
 ) -> None:
     """Let a number be ``values`` (n,) at these elevations [degrees], ascending, of a World's sun.
 
-    Between them it goes straight, or as its ``slopes`` (n,) say; beyond them it stays.
+    Between them it goes straight, or as its slopes ``rise`` (n,) say; beyond them it stays.
     """
     owner.driver_remove(path, axis)
     curve = owner.driver_add(path, axis)
@@ -162,31 +165,34 @@ def drive(
     target.data_path = ELEVATION
     for modifier in list(curve.modifiers):
         curve.modifiers.remove(modifier)
-    write_keys(curve, elevations, values, slopes)
+    write_keys(curve, elevations, values, rise)
 
 
 def write_keys(
     curve: bpy.types.FCurve,
     x: Sequence[float] | NDArray[np.float64],
     y: Sequence[float] | NDArray[np.float64],
-    slopes: NDArray[np.float64] | None = None,
+    rise: NDArray[np.float64] | None = None,
 ) -> None:
-    """Give a curve these keys (n,), straight between, or with these slopes (n,) as cubics."""
+    """Give a curve these keys (n,), straight between, or with slopes ``rise`` (n,) as cubics."""
     points = curve.keyframe_points
     points.clear()
     points.add(len(x))
     points.foreach_set("co", np.stack([x, y], axis=1).ravel())
     curve.extrapolation = "CONSTANT"
-    widths = np.diff(np.asarray(x, float)) / 3.0
-    for k, point in enumerate(points):
-        point.interpolation = "LINEAR" if slopes is None else "BEZIER"
-        if slopes is None:
-            continue
-        point.handle_left_type = point.handle_right_type = "FREE"
-        before = widths[max(k - 1, 0)]
-        after = widths[min(k, len(widths) - 1)]
-        point.handle_left = (x[k] - before, y[k] - before * slopes[k])
-        point.handle_right = (x[k] + after, y[k] + after * slopes[k])
+    kind = "LINEAR" if rise is None else "BEZIER"
+    number = type(points[0]).bl_rna.properties["interpolation"].enum_items[kind].value
+    points.foreach_set("interpolation", np.full(len(x), number, np.uint8))
+    if rise is not None:
+        free = type(points[0]).bl_rna.properties["handle_left_type"].enum_items["FREE"].value
+        widths = np.diff(np.asarray(x, float)) / 3.0
+        for side, step in (
+            ("left", -np.concatenate([widths[:1], widths])),
+            ("right", np.concatenate([widths, widths[-1:]])),
+        ):
+            points.foreach_set(f"handle_{side}_type", np.full(len(x), free, np.uint8))
+            handles = np.stack([np.asarray(x) + step, np.asarray(y) + step * rise], axis=1)
+            points.foreach_set(f"handle_{side}", handles.ravel())
     curve.update()
 
 
