@@ -15,7 +15,8 @@ from enclosed_scenes import street
 from example import Example
 from main_job import silenced
 from ready import Ready, ready
-from ways import WAYS, Shot
+from way import Shot
+from ways import WAYS
 
 SIZE = 240, 160
 EXAMPLE = Example("A street at low sun", 10, 200, street, sunlit=True, samples=128)
