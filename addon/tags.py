@@ -46,7 +46,9 @@ WORLD_BEFORE = "spectral_skylight_before_world"
 DAY = "spectral_skylight_day"
 """On a World whose sky moves: through what, as JSON …"""
 SUN_ELEVATION = "spectral_skylight_sun_elevation"
-"""… and where the sun stands [degrees], keyframed: all else follows that by drivers."""
+"""… and where the sun stands [degrees], keyframed: all else follows that by drivers …"""
+BAKED_KEY = "spectral_skylight_baked_key"
+"""… but bakes: the number of the moment whose light they show, keyframed."""
 
 # On images
 SKY = "spectral_skylight_sky"

@@ -9,6 +9,10 @@ material falls back to the open sky.
 The bake is a mesh object of ours that no scene holds: its faces are the subdivided ones, their
 vertices split where normals are, so that a value lies there once; loose vertices after them hold a
 number for each face before subdivision.
+
+Under a sky that moves, the variant `DAY` shows light that moves with it: the bake holds it for some
+moments, of which two are mixed, over the sky's level; what does not follow the sky is added. These
+two numbers are values inside, so all objects of a World follow by one driver each.
 """
 
 from __future__ import annotations
@@ -30,6 +34,11 @@ SPLIT = "skylight_split"  # … whether it is triangulated first
 FACE = "skylight_face"  # on the subdivided faces: the number of the face before
 NEAR = 1e-4  # how far a corner may lie from where it was baked, of the object's size
 
+DAY = "day"
+KEY, SKY_LEVEL = "Key", "Level"
+"""Nodes of the `DAY` variant: the number of the moment, between whole numbers a mixture of two, and
+what its light is multiplied by."""
+
 INPUTS = (
     Socket("Geometry", "Geometry", "Geometry that the modifiers before this one leave"),
     Socket("Bake", "Object", "Object that holds the baked values. It is in no scene"),
@@ -48,20 +57,52 @@ OUTPUTS = (Socket("Geometry", "Geometry", "Subdivided geometry with the baked at
 
 def ensure() -> bpy.types.NodeTree:
     """The `Sky Bake` group of this file, made or updated."""
-    tree = groups.known(KIND, VERSION)
-    return groups.ensure(tree, KIND, VERSION, INPUTS, OUTPUTS, _build, tree_type="GeometryNodeTree")
+    still = (tree for tree in groups.of_kind(KIND) if not is_day(tree))
+    return _ensure(next((t for t in still if not groups.is_newer(t, VERSION)), None), "")
 
 
-def _build(tree: bpy.types.NodeTree) -> None:
+def ensure_day() -> bpy.types.NodeTree:
+    """A new `Sky Bake` group of the variant `DAY`."""
+    return _ensure(None, DAY)
+
+
+def is_day(tree: bpy.types.NodeTree | None) -> bool:
+    """Whether a group shows light that moves."""
+    return tree is not None and tree.get(groups.VARIANT) == DAY
+
+
+def at_key(name: str, key: int | str) -> str:
+    """The attribute that holds what ``name`` is at a moment, over the sky's level."""
+    return f"{name}_{key}"
+
+
+def _ensure(tree: bpy.types.NodeTree | None, variant: str) -> bpy.types.NodeTree:
+    return groups.ensure(
+        tree,
+        KIND,
+        VERSION,
+        INPUTS,
+        OUTPUTS,
+        partial(_build, moves=variant == DAY),
+        variant,
+        "GeometryNodeTree",
+    )
+
+
+def _build(tree: bpy.types.NodeTree, moves: bool) -> None:
     add = partial(groups.add, tree)
     given = inputs(tree)
     info = add("GeometryNodeObjectInfo", transform_space="ORIGINAL", into={"Object": given["Bake"]})
     bake = info.outputs["Geometry"]
     index = Value(add("GeometryNodeInputIndex").outputs[0])
 
-    def sample(name, data_type, domain, at):
-        named = add("GeometryNodeInputNamedAttribute", name, data_type=data_type)
-        value = named.outputs["Attribute"]
+    def named(name, data_type):
+        return add("GeometryNodeInputNamedAttribute", name, data_type=data_type).outputs[
+            "Attribute"
+        ]
+
+    def sample(name, data_type, domain, at, value=None):
+        value = value or named(name, data_type)
         node = add("GeometryNodeSampleIndex", bake, value, at, data_type=data_type, domain=domain)
         return Value(node.outputs["Value"])
 
@@ -120,8 +161,29 @@ def _build(tree: bpy.types.NodeTree) -> None:
         operation="AND",
     ).outputs[0]
 
+    key, level = (
+        Value(add("ShaderNodeValue", name=each, label=each).outputs[0]) if moves else None
+        for each in (KEY, SKY_LEVEL)
+    )
+
+    def moment(name, number):
+        text = add("FunctionNodeValueToString", number).outputs[0]
+        at = add("FunctionNodeReplaceString", at_key(name, "#"), "#", text).outputs[0]
+        return Value(named(at, "FLOAT_VECTOR"))
+
+    def light_of_day(name):
+        """The mixture of two moments times the level, and what does not follow the sky."""
+        part = key.fraction()
+        first = key - part
+        before, after = moment(name, first), moment(name, first + 1.0)
+        steady = named(name, "FLOAT_COLOR")
+        light = ((after - before) * part + before) * level + Value(steady)
+        flag = add("FunctionNodeSeparateColor", steady).outputs["Alpha"]
+        return add("FunctionNodeCombineColor", *light.xyz(), flag).outputs[0]
+
     def keep(mesh, name):
-        value = sample(name, "FLOAT_COLOR", "CORNER", index)
+        moving = light_of_day(name) if moves else None
+        value = sample(name, "FLOAT_COLOR", "CORNER", index, moving)
         value = switch("RGBA", kept, (0.0, 0.0, 0.0, 1.0), value)
         return store(mesh, name, value, "FLOAT_COLOR", "CORNER")
 

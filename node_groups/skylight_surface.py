@@ -13,7 +13,7 @@ Blender 4.5 each render takes a user off it.)
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import astuple, dataclass
 from functools import partial
 from typing import Literal
@@ -131,12 +131,14 @@ def ensure(
     rotation: str | None,
     inverse: bool = False,
     features: Features | None = None,
+    steady: Collection[str] = (),
 ) -> bpy.types.NodeTree:
     """The `Skylight Surface` group of this World, made or updated.
 
     `strength` and `rotation` are the World's data paths that it follows (None: 1, and not turned);
-    `inverse` turns the other way; `features`: None leaves what there is. The two outputs differ in
-    the light of sun and lamps, which each engine has in its own way. Eevee shows a negative sum,
+    `inverse` turns the other way; `features`: None leaves what there is; `steady`: the parts whose
+    light is not multiplied by the strength. The two outputs differ in the light of sun and lamps,
+    which each engine has in its own way. Eevee shows a negative sum,
     which is a colour out of gamut, as 0.
     """
     tree = find(world)
@@ -166,7 +168,7 @@ def ensure(
     for name, inside in parts.items():
         node = tree.nodes[name]
         at = node.inputs["Strength"], "default_value", world
-        if strength is None:
+        if strength is None or name in steady:
             drive(*at, ANY, factor=0.0, offset=1.0)  # by which the World is known all the same
         else:
             drive(*at, strength)

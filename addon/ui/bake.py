@@ -61,11 +61,12 @@ to minutes once, and no time in renders. Press Esc to stop"""
 def _shown(context):
     """Show bakes in the World, and light them by its sky."""
     from ..scene.bake import scene_bake
+    from ..scene.day import day_world
 
     if not scene_bake.baked():
         return []
     numbers = context.scene.world.skylight
-    if numbers.occlusion == AUTO:
+    if numbers.occlusion == AUTO or day_world.is_day(context.scene.world):
         return update.unbaked(context)
     numbers.occlusion = BAKED
     return (yield from update.updating(context))

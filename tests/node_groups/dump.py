@@ -58,6 +58,7 @@ def every_tree() -> Iterator[bpy.types.NodeTree]:
         spectral_texture,
     ):
         yield module.ensure()
+    yield sky_bake.ensure_day()
     for kind in gloss.KINDS:
         yield gloss.ensure(kind)
     yield sky_irradiance.ensure()

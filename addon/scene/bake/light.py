@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Generator, Sequence
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -68,8 +69,8 @@ class Light:
 class SceneLight(Light):
     """The light of a World and of the lamps in a scene, and the World's ``strength``."""
 
-    def __init__(self, found: sources.Sources, strength: float) -> None:
-        self.sources, self.strength = found, strength
+    def __init__(self, found: sources.Sources, strength: float, emits: bool = True) -> None:
+        self.sources, self.strength, self.emits = found, strength, emits
         self.lamps = self.sources.lamps
         self._known: dict[str, matter.Optics] = {}
 
@@ -82,7 +83,25 @@ class SceneLight(Light):
         """As a `Light`'s."""
         found, optics = matter.matter(names, self.sources.bands, self._transfer, self.strength)
         self._known = dict(zip(names, optics, strict=True))
+        if not self.emits:
+            found.emission[:] = 0.0
         return found
+
+    @property
+    def of_sky(self) -> SceneLight:
+        """What of it grows with the World's strength: no lamps, and nothing shines by itself."""
+        found = self.sources
+        sun = found.lamps[: int(found.sunny)]
+        return SceneLight(replace(found, lamps=sun), self.strength, emits=False)
+
+    @property
+    def of_lamps(self) -> SceneLight:
+        """The rest of it."""
+        found = self.sources
+        dark = np.zeros_like(found.rgb), np.zeros_like(found.ground)
+        own = found.lamps[int(found.sunny) :]
+        found = replace(found, rgb=dark[0], ground=dark[1], lamps=own, sunny=False)
+        return SceneLight(found, self.strength)
 
     @property
     def channels(self) -> NDArray[np.float64]:

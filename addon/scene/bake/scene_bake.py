@@ -245,13 +245,18 @@ def relighting(light: light_of_scene.Light) -> Generator[Progress, None, list[st
 
     Without a ray where this Blender has baked the scene as it is; else rays are cast anew.
     """
-    there = [obj for obj in baked() if storage.is_lit(obj) and not _hindrance(obj)]
-    lines = []
-    if old := [obj for obj in baked() if not storage.is_lit(obj)]:
-        lines.append(f"{len(old)} bake(s) of an earlier version hold no bounced light: bake again")
+    there, lines = lit()
     if there:
         lines += yield from session.relighting(there, light)
     return lines
+
+
+def lit() -> tuple[list[bpy.types.Object], list[str]]:
+    """The objects of the file that hold light and can have another, and lines on older bakes."""
+    there = [obj for obj in baked() if storage.is_lit(obj) and not _hindrance(obj)]
+    old = [obj for obj in baked() if not storage.is_lit(obj)]
+    line = f"{len(old)} bake(s) of an earlier version hold no bounced light: bake again"
+    return there, [line] if old else []
 
 
 def _staling(

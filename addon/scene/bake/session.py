@@ -8,7 +8,7 @@ each whole. Their hits stay in memory, not in the file: opened elsewhere, they a
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -25,6 +25,7 @@ from . import colours as coloured
 from .collected import Collected, Shading
 from .light import Light, SceneLight
 from .receivers import Points, Receivers, Target
+from .scene_key import scene_key
 from .shelf import Shelf, there
 
 FIRST = 64
@@ -32,7 +33,7 @@ FIRST = 64
 
 
 @dataclass
-class _Session:
+class Session:
     """What another light can be cast on without a ray."""
 
     key: int
@@ -70,7 +71,7 @@ class How:
         return max(passes.SURE, passes.PER_DELTA_E * (self.error or 0.0))
 
 
-_last: list[_Session] = []
+_last: list[Session] = []
 
 
 def baking(
@@ -134,9 +135,9 @@ def baking(
         each = passes.rays_of(len(receivers), slow) if count is None else [FIRST, count]
         # A first light of coarse patches and few rays, and from then on ever better ones.
         collected = Collected(receivers, space)
-        session = _Session(0, around.origin, around.materials, coarse, collected)
+        session = Session(0, around.origin, around.materials, coarse, collected)
         at = Progress(0.2, points)
-        shading = yield from _shading(session, light, at)
+        shading = yield from going_round(session, light, at)
         for done, colours in passes.collect(collected, shading, each[:1]):
             if colours is not None:
                 before = [colours, collected.seen]
@@ -165,9 +166,9 @@ def baking(
         for done in radiosity.cast(patches.sent(radiosity, 1)):
             yield Progress(0.25 + 0.35 * done, patches.BETWEEN)
         collected = Collected(receivers, space)
-        session = _Session(0, around.origin, around.materials, radiosity, collected)
+        session = Session(0, around.origin, around.materials, radiosity, collected)
         at = Progress(0.6, patches.BETWEEN)
-        shading = yield from _shading(session, light, at)
+        shading = yield from going_round(session, light, at)
         if isinstance(light, SceneLight):
             seen = camera_share.Eye.of(bpy.context.scene, around.origin)
             session.left_out = yield from aside(at, _left_out, radiosity, light, seen)
@@ -199,37 +200,58 @@ def relighting(
 
     Whoever closes it leaves them the light that they had.
     """
-    lines: list[str] = []
-    session = _last[0] if _last and _last[0].key == scene_key() else None
-    if session is None or session.names != {obj.name for obj in objects}:
-        _last.clear()
-        session = yield from _cast_anew(objects, light)
-        lines.append("the bake's rays are not in memory: they were cast again")
-    elif session.light == light.key(session.materials):
+    session, lines = yield from recalling(objects, light)
+    if session.light == light.key(session.materials):
         return lines
     at = Progress(0.3, patches.BETWEEN)
     yield at
-    shading, collected = (yield from _shading(session, light, at)), session.collected
+    shading = yield from going_round(session, light, at)
+    coloured.write((yield from lighting(session, shading)))
+    session.light = light.key(session.materials)
+    return lines
+
+
+def recalling(
+    objects: Sequence[bpy.types.Object], light: Light
+) -> Generator[Progress, None, tuple[Session, list[str]]]:
+    """Return what baked objects are lit anew with, and lines to say: the last bake of them, or
+    where that is not in memory, rays cast anew.
+    """
+    session = _last[0] if _last and _last[0].key == scene_key() else None
+    if session is not None and session.names == {obj.name for obj in objects}:
+        return session, []
+    _last.clear()
+    session = yield from _cast_anew(objects, light)
+    _last[:] = [session]
+    return session, ["the bake's rays are not in memory: they were cast again"]
+
+
+def lighting(session: Session, shading: Shading) -> Generator[Progress, None, coloured.Values]:
+    """Return what objects show in a light that has gone round between surfaces."""
+    collected = session.collected
+    at = Progress(0.3, f"{len(collected.receivers):,} points")
     if collected.kept is None:
         collected = Collected(collected.receivers, session.radiosity.space)
         each = passes.rays_of(len(collected.receivers))
         for done, _ in passes.collect(collected, shading, each):
-            yield Progress(0.3 + 0.65 * done, f"{len(collected.receivers):,} points")
+            yield replace(at, done=0.3 + 0.65 * done)
         session.collected = collected
     else:
         yield from aside(at, collected.relight, shading)
     at = Progress(0.95, "all light")
     yield at
     colours = yield from aside(at, collected.colours, shading)
-    coloured.write((yield from aside(at, coloured.of, session.collected, colours)))
-    session.light = light.key(session.materials)
-    _last[:] = [session]
-    return lines
+    return (yield from aside(at, coloured.of, collected, colours))
+
+
+def forget() -> None:
+    """Forget the last bake, whose objects have another light or another layout now."""
+    _last.clear()
 
 
 def _cast_anew(
     objects: Sequence[bpy.types.Object], light: Light
-) -> Generator[Progress, None, _Session]:
+) -> Generator[Progress, None, Session]:
     """Return what is needed to light objects that were laid out before, of receivers no rays."""
     around = yield from geometry.gathering()
     radiosity = yield from patches.casting(around, light)
@@ -240,7 +262,7 @@ def _cast_anew(
         yield at
     collected = Collected(receivers, radiosity.space)
     collected.kept = None
-    return _Session(scene_key(), around.origin, around.materials, radiosity, collected)
+    return Session(scene_key(), around.origin, around.materials, radiosity, collected)
 
 
 def casting(
@@ -262,8 +284,8 @@ def remembered(key: int) -> tuple[NDArray, list[str], Radiosity] | None:
     return _last[0].origin, _last[0].materials, _last[0].radiosity
 
 
-def _shading(session: _Session, light: Light, at: Progress) -> Generator[Progress, None, Shading]:
-    """What makes colours of a light that has gone round."""
+def going_round(session: Session, light: Light, at: Progress) -> Generator[Progress, None, Shading]:
+    """Let a light go round between surfaces; return what makes colours of it."""
     radiosity = session.radiosity
     matter = light.matter(session.materials)
     radiosity.take(matter)
@@ -318,23 +340,3 @@ def _kept_targets(
         backs = np.full(len(fine.places), baked_light.BEHIND in bake.data.attributes)
         targets.append(Target(obj.name, fine, points, backs))
     return targets
-
-
-def scene_key() -> int:
-    """What stands in the scene, in one number: another place or mesh is another."""
-    parts = []
-    bpy.context.view_layer.update()
-    for instance in bpy.context.evaluated_depsgraph_get().object_instances:
-        mesh = instance.object.data
-        if instance.object.type == "MESH" and mesh is not None:
-            place = tuple(round(value, 6) for row in instance.matrix_world for value in row)
-            slots = [s.material.name_full for s in instance.object.material_slots if s.material]
-            parts.append((instance.object.name, place, _shape(mesh), *slots))
-    return hash(tuple(sorted(parts)))
-
-
-def _shape(mesh: bpy.types.Mesh) -> int:
-    """What a mesh's vertices are, in one number."""
-    places = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", places)
-    return hash(places.tobytes())

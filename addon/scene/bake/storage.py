@@ -20,6 +20,8 @@ from ...transport.row_keys import row_keys
 from . import surroundings
 from .geometry import STEP
 
+_VALUE = {"FLOAT_COLOR": "color", "FLOAT_VECTOR": "vector"}
+
 
 def modifier_of(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
     """The `Sky Bake` modifier of an object."""
@@ -329,13 +331,21 @@ def show(obj: bpy.types.Object, fine: Fine, backs: bool) -> None:
 
 
 def write_attribute(bake: bpy.types.Object, name: str, values: NDArray) -> None:
-    """Keep a colour (p, 4) for each point of a bake."""
-    mesh = bake.data
-    padded = np.zeros((len(mesh.vertices), 4), np.float32)
+    """Keep a colour (p, 4), or three numbers (p, 3), for each point of a bake."""
+    mesh, width = bake.data, values.shape[1]
+    padded = np.zeros((len(mesh.vertices), width), np.float32)
     padded[: len(values)] = values
-    _store(mesh, name, "FLOAT_COLOR", padded.ravel())
+    _store(mesh, name, "FLOAT_COLOR" if width == 4 else "FLOAT_VECTOR", padded.ravel())
+
+
+def read_attribute(bake: bpy.types.Object, name: str) -> NDArray[np.float32]:
+    """Return what `write_attribute` has kept, (vertices, 4 or 3)."""
+    attribute, count = bake.data.attributes[name], len(bake.data.vertices)
+    values = np.empty((count, 4 if attribute.data_type == "FLOAT_COLOR" else 3), np.float32)
+    attribute.data.foreach_get(_VALUE[attribute.data_type], values.ravel())
+    return values
 
 
 def _store(mesh: bpy.types.Mesh, name: str, kind: str, values: NDArray) -> None:
     attribute = mesh.attributes.get(name) or mesh.attributes.new(name, kind, "POINT")
-    attribute.data.foreach_set("color" if kind == "FLOAT_COLOR" else "value", values)
+    attribute.data.foreach_set(_VALUE.get(kind, "value"), values)

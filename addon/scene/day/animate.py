@@ -11,18 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import tags
-from ...choices import OPEN
+from ...choices import BAKED, DOME, OPEN
 from ...errors import InputError, parameter
-from ...progress import Progress, aside
-from ...sky.sun_course import Course, through_day, through_year
+from ...progress import Progress, aside, mapped
+from ...sky.sun_course import SAMPLES, Course, through_day, through_year
 from .. import plan as planning
+from ..bake import scene_bake
+from ..bake.kept_bakes import KeptBakes
+from ..bake.light import SceneLight, shining_of
 from ..lights import lighting
 from ..plan import Assignments, Plan
 from ..world import hdri, light_group, own_worlds, sky_image
 from ..world.settings import Settings, store
 from ..world.simulated_sky import SkyPlace
 from ..write import write
-from . import day_world, values
+from . import day_world, key_lights, played_lights, values
+from .key_lights import KeyLights
 from .moments import LEAST, KeySkies, Moment, find
 
 if TYPE_CHECKING:
@@ -85,17 +89,19 @@ def day_of(world: bpy.types.World | None) -> Day | None:
 def animating(
     scene: bpy.types.Scene, day: Day, given: Assignments, settings: Settings
 ) -> Generator[Progress, None, tuple[Plan, list[str]]]:
-    """Let a scene's sky move through a day, with materials under it; return the plan of its highest
-    sun, and lines to read.
+    """Let a scene's sky move through a day, with materials under it and, where settings ask for
+    it, all light that is baked; return the plan of its highest sun, and lines to read.
 
     Everything is computed before anything changes. Raises InputError as `Day.course` and
     `plan.make` do; the scene is untouched then.
     """
     course = day.course()
     lines = []
-    if settings.shadows != OPEN:
+    if settings.shadows == DOME:
         settings = replace(settings, occlusion=OPEN)
-        lines.append("animated under the open sky: a bake holds the light of one moment")
+        lines.append("animated under the open sky: live shadows hold the light of one moment")
+    if settings.shadows == BAKED:
+        settings = replace(settings, occlusion=BAKED)  # it does not follow each change by itself
     low, high = course.range
     low = min(low, 90.0 - LEAST)
     high = max(high, low + LEAST)
@@ -103,16 +109,31 @@ def animating(
     if before is not None:
         kept, before.use_fake_user = before.use_fake_user, True
     world, span = _new_world(scene, settings), _own_range(scene, before)
+    bakes = None
     done = False
     try:
-        steps = find(low, high, lambda e: computing(scene, world, day.place, e, given, settings))
-        found = yield from steps
+        moments = _Moments(scene, world, day, course, given, settings)
+        share = 0.3 if settings.shadows == BAKED else 0.9
+        found = yield from mapped(
+            find(low, high, moments.at), lambda p: replace(p, done=share * p.done / 0.9)
+        )
+        lights = None
+        if settings.shadows == BAKED:
+            bakes = KeptBakes()
+            lights, said = yield from mapped(
+                _baking(moments, found, settings), lambda p: replace(p, done=0.3 + 0.6 * p.done)
+            )
+            lines += said
         yield Progress(0.9, "keyframes")
         _write(scene, world, found)
         frames = np.array([scene.frame_start, scene.frame_start + day.frames - 1])
         day_world.install(world, course, found, frames, day.place.north)
-        line = _line(course, found, day)
-        day_world.keep(world, day=day.plain(), range=span, line=line, keys=len(found.keys))
+        line = _line(course, found, lights, day)
+        kept_day = {"day": day.plain(), "range": span, "line": line, "keys": len(found.keys)}
+        if lights is not None:
+            played_lights.install(world, lights, frames)
+            kept_day["baked"] = lights.brightest
+        day_world.keep(world, **kept_day)
         scene.frame_end = int(frames[1])
         if (record := light_group.record_of(world)) is not None:
             light_group.keep_record(world, replace(record, image=hdri.sky_of(world).name))
@@ -122,10 +143,84 @@ def animating(
         world.use_fake_user = False
         if not done:
             scene.world = before
+        if bakes is not None:
+            bakes.let_go() if done else bakes.give_back()
         if before is not None:
             before.use_fake_user = kept
         own_worlds.remove_unused()
     return max(found.keys, key=lambda k: k.elevation).plan, [line, *lines]
+
+
+class _Moments:
+    """The skies of a course, each simulated once, and what they light."""
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        world: bpy.types.World,
+        day: Day,
+        course: Course,
+        given: Assignments,
+        settings: Settings,
+    ) -> None:
+        self.scene, self.world, self.day, self.course = scene, world, day, course
+        self._what = given, settings
+        self._known: dict[float, Moment] = {}
+
+    def at(self, elevation: float) -> Generator[Progress, None, Moment]:
+        """The moment of an elevation [degrees]."""
+        if elevation not in self._known:
+            work = computing(self.scene, self.world, self.day.place, elevation, *self._what)
+            self._known[elevation] = yield from work
+        return self._known[elevation]
+
+    def shining(self, x: float, lowest: float) -> Generator[Progress, None, SceneLight]:
+        """What shines on the scene at a moment of the course, from 0 to 1; not under ``lowest``."""
+        place = np.array([x])
+        elevation = max(float(self.course.elevation.at(place)[0]), lowest)
+        moment = yield from self.at(elevation)
+        node = self.world.node_tree.nodes[hdri.sky_of(self.world).mapping]
+        turn = self.course.azimuth.at(place)[0] + self.day.place.north - 90.0
+        node.inputs["Rotation"].default_value[2] = np.radians(turn)
+        try:
+            return (yield from shining_of(self.world, moment.plan.lights, self.scene))
+        finally:
+            node.inputs["Rotation"].default_value[2] = 0.0
+
+
+def _baking(
+    moments: _Moments, found: KeySkies, settings: Settings
+) -> Generator[Progress, None, tuple[KeyLights | None, list[str]]]:
+    """Bake what has no light or an old one, and find the moments whose light stands for all."""
+    course, level = moments.course, day_world.level_of(found)
+    low = found.keys[0].elevation
+    samples = np.linspace(0.0, 1.0, SAMPLES)
+    highest = float(samples[np.argmax(course.elevation.at(samples))])
+    old = yield from scene_bake.finding_stale()
+    lines: list[str] = []
+    if any(map(scene_bake.is_waiting, old)):
+        noon = yield from moments.shining(highest, low)
+        work = scene_bake.bake(old, light=noon, changed_only=False, error=settings.tolerance)
+        lines = yield from mapped(work, lambda p: replace(p, done=0.4 * p.done))
+    objects, said = scene_bake.lit()
+    if not objects:
+        return None, [*lines, *said]
+
+    def at(x: float) -> Generator[Progress, None, tuple[SceneLight, float]]:
+        light = yield from moments.shining(x, low)
+        height = max(float(course.elevation.at(np.array([x]))[0]), low)
+        return light, float(level.at(np.array([height]))[0])
+
+    parts = key_lights.marks(course, low, moments.day.frames)
+    lights = yield from mapped(
+        key_lights.finding(objects, at, parts, moments.day.frames),
+        lambda p: replace(p, done=0.4 + 0.6 * p.done),
+    )
+    if lights.size > key_lights.BIG:
+        said.append(
+            f"baked light of {len(lights.at)} moments takes {lights.size / 1e6:.0f} MB of the file"
+        )
+    return lights, [*lines, *said]
 
 
 def _own_range(scene: bpy.types.Scene, before: bpy.types.World | None) -> list[int]:
@@ -134,11 +229,15 @@ def _own_range(scene: bpy.types.Scene, before: bpy.types.World | None) -> list[i
     return own if isinstance(own, list) else [scene.frame_start, scene.frame_end]
 
 
-def _line(course: Course, found: KeySkies, day: Day) -> str:
-    count = len(found.keys)
+def _line(course: Course, found: KeySkies, lights: KeyLights | None, day: Day) -> str:
+    errors = [found.error, found.sky_error]
+    made = f"animated {course.line} in {day.frames} frames: {len(found.keys)} key skies"
+    if lights is None:
+        return f"{made}, at most {max(errors):.2f} ΔE between"
+    errors.append(lights.error)
     return (
-        f"animated {course.line} in {day.frames} frames: {count} key skies, "
-        f"at most {max(found.error, found.sky_error):.2f} ΔE between"
+        f"{made}, {len(lights.at)} baked lights, at most {max(errors):.2f} ΔE between "
+        f"(95 % of what is seen: {lights.most:.2f})"
     )
 
 

@@ -23,8 +23,8 @@ from ...spectra.working_spaces import DEFAULT_SPACE
 from ..blend_data import drivers, kept
 from ..lights import lighting, sun_lamp
 from ..world import hdri as worlds
+from . import played_lights, values
 from . import tiles as key_skies
-from . import values
 from .curves import slopes
 from .moments import KeySkies, levels_of
 
@@ -81,7 +81,8 @@ def install(
             follow(tree, path, axis, np.array(rows)[:, axis])
     follow(world, "sun_threshold", -1, [THRESHOLD * one.brightest for one in found.moments])
     strength = background.inputs["Strength"].path_from_id("default_value")
-    values.drive(tree, strength, -1, world, *_levels(found))
+    curve = level_of(found)
+    values.drive(tree, strength, -1, world, curve.x, curve.y, curve.slope)
     for scene in lighting.scenes_of(world):
         if (lamp := sun_lamp.find(scene, sun_lamp.SUN)) is not None:
             _raise(lamp, world)
@@ -97,14 +98,15 @@ def key(owner: bpy.types.ID, path: str, axis: int, curve: Curve, frames: NDArray
             values.write_keys(each, at, curve.y, curve.slope / (last - first))
 
 
-def _levels(found: KeySkies) -> tuple[NDArray, NDArray, NDArray]:
-    """Elevations, levels and how these rise: of all moments computed, and of the night."""
+def level_of(found: KeySkies) -> Curve:
+    """Return the level by the sun's elevation [degrees]: of all moments computed, and of the
+    night."""
     x, level, slope = levels_of(dict(found.levels))
     fade = max(float(slope[0] / level[0]), 1.0)
     y = np.concatenate([level[0] * np.exp(-fade * NIGHT[::-1]), level])
     y[0] = 0.0
     slope = np.concatenate([fade * y[: len(NIGHT)], slope])
-    return np.concatenate([x[0] - NIGHT[::-1], x]), y, slope
+    return Curve(np.concatenate([x[0] - NIGHT[::-1], x]), y, slope)
 
 
 def _raise(lamp: bpy.types.Object, world: bpy.types.World) -> None:
@@ -160,6 +162,7 @@ def stop(world: bpy.types.World) -> None:
     """Let a World's sky stand still, as its highest key sky, and all that followed its sun."""
     if tags.DAY not in world:
         return
+    played_lights.stop(world, *kept_of(world).get("baked", (0, 1.0)))
     values.release(world)
     tree = world.node_tree
     for owner in (world, tree):

@@ -19,6 +19,7 @@ from ...transport.meter import Field
 from ...transport.radiosity import Radiosity
 from ..bake import patches, session
 from ..bake.light import SceneLight
+from ..bake.scene_key import scene_key
 
 RAYS = 2048, 65536
 """From each meter at least and at most …"""
@@ -95,7 +96,7 @@ _last: list[tuple[int, LitScene]] = []
 def casting(light: SceneLight) -> Generator[Progress, None, LitScene]:
     """Return the open scene with rays cast; those of a bake, or of before, where nothing moved."""
     bpy.context.view_layer.update()
-    key = session.scene_key()
+    key = scene_key()
     if remembered := session.remembered(key):
         return LitScene(*remembered)
     if _last and _last[0][0] == key:

@@ -8,12 +8,14 @@ from typing import Any
 
 import bpy
 
+from ... import tags
 from ...choices import BAKED
 from ...progress import Progress, timed
 from .. import out_of_date, scene_lighting
 from .. import plan as planning
 from ..bake import scene_bake, session
 from ..bake.light import SceneLight, shining_of
+from ..day import animate as animation
 from ..lights import lighting
 from ..materials.assigned import assigned
 from ..outcome import Outcome
@@ -21,7 +23,7 @@ from ..plan import Assignments
 from ..world import light_group, panorama
 from ..world.settings import Settings
 from ..write import write
-from .materials import editable, given_before, in_scene, making_spectral
+from .materials import editable, given_before, in_scene, making_spectral, updating
 from .world import developing
 
 
@@ -48,8 +50,10 @@ def bake(
     """Bake all light on objects of the active scene, yielding how far it is.
 
     ``objects``: None for all of its managed ones; ``options``: those of `scene_bake.bake`. Returns
-    lines to read. Raises InputError as `analyzed` does.
+    lines to read. Under a sky that moves, all of it is baked. Raises InputError as `analyzed` does.
     """
+    if animation.day_of(scene.world) is not None:
+        return (yield from _of_day(scene, settings, options.get("changed_only", True)))
     shining = yield from shining_on(scene, settings)
     options = {"error": settings.tolerance, **options}
     return (yield from _baking(scene, shining, objects, **options))
@@ -75,6 +79,8 @@ def following(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress,
 
     Nothing is done where nothing has. Raises InputError as `update` does.
     """
+    if animation.day_of(scene.world) is not None:
+        return (yield from _of_day(scene, settings))
     lines: list[str] = []
     shining = yield from shining_on(scene, settings)
     if not session.is_lit_by(shining):
@@ -89,7 +95,20 @@ def all_light(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress,
     """Bake what has no light or an old one in the active scene, or where there is nothing to bake,
     light anew what is baked; returns lines. Raises InputError as `analyzed` does.
     """
+    if animation.day_of(scene.world) is not None:
+        return (yield from _of_day(scene, settings))
     return (yield from _lighting(scene, settings, (yield from shining_on(scene, settings))))
+
+
+def _of_day(
+    scene: bpy.types.Scene, settings: Settings, changed_only: bool = True
+) -> Generator[Progress, None, list[str]]:
+    """Bake all light of a sky that moves, where any of it is old; returns lines."""
+    old = yield from scene_bake.finding_stale()
+    if changed_only and tags.BAKED_KEY in scene.world and not any(map(scene_bake.is_waiting, old)):
+        return [scene_bake.NOTHING]
+    settings = replace(settings, occlusion=BAKED)
+    return (yield from updating(scene, settings)).lines
 
 
 def _lighting(

@@ -9,11 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import bpy
+import numpy as np
 
 from ... import tags
+from ...choices import BAKED, OPEN
 from ...errors import InputError
 from ...grouping import grouped
-from ...progress import Progress, run
+from ...progress import Progress, mapped, run
 from ...transfer.assignment import Assignment
 from ...transfer.assignment_table import read_table, table_files
 from ...whole_files import write_text
@@ -64,9 +66,22 @@ def making_spectral(
 def animated(
     scene: bpy.types.Scene, day: animation.Day, given: Assignments, settings: Settings
 ) -> Generator[Progress, None, Outcome]:
-    """Give materials what they are assigned through a day, as `animation.animating` does."""
+    """Give materials what they are assigned through a day, as `animation.animating` does.
+
+    What materials reflect of each other's light is baked once they have it: whoever closes the
+    generator before leaves new ones under the open sky that moves.
+    """
+    if settings.shadows == BAKED and any(map(_is_new, given, given.values())):
+        first = animation.animating(scene, day, given, replace(settings, occlusion=OPEN))
+        yield from mapped(first, lambda step: replace(step, done=0.3 * step.done))
     plan, lines = yield from animation.animating(scene, day, given, settings)
     return Outcome(plan.light, [one.result for one in plan.materials], lines=lines)
+
+
+def _is_new(material: bpy.types.Material, one: Assignment) -> bool:
+    """Whether a material has not yet what it is given."""
+    before = assigned(material)
+    return before is None or not np.array_equal(before.values, one.values)
 
 
 def make_everything_spectral(

@@ -39,6 +39,8 @@ def ensure(
         worlds.value_path(world, sky.mapping, "Rotation"),
         sky.inverse,
         features,
+        # Bakes that move know the strength themselves: not all of their light grows with it.
+        {skylight_surface.BAKED} if tags.BAKED_KEY in world else (),
     )
 
 
