@@ -230,14 +230,15 @@ def _own_range(scene: bpy.types.Scene, before: bpy.types.World | None) -> list[i
 
 
 def _line(course: Course, found: KeySkies, lights: KeyLights | None, day: Day) -> str:
-    errors = [found.error, found.sky_error]
-    made = f"animated {course.line} in {day.frames} frames: {len(found.keys)} key skies"
+    count, error = len(found.keys), max(found.error, found.sky_error)
     if lights is None:
-        return f"{made}, at most {max(errors):.2f} ΔE between"
-    errors.append(lights.error)
+        return (
+            f"animated {course.line} in {day.frames} frames: {count} key skies, "
+            f"at most {error:.2f} ΔE between"
+        )
     return (
-        f"{made}, {len(lights.at)} baked lights, at most {max(errors):.2f} ΔE between "
-        f"(95 % of what is seen: {lights.most:.2f})"
+        f"animated {course.line} in {day.frames} frames: {count} key skies, {len(lights.at)} baked "
+        f"lights, at most {max(error, lights.error):.2f} ΔE between, {lights.most:.2f} for 95 %"
     )
 
 

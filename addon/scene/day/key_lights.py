@@ -21,7 +21,8 @@ from ...spectra.cielab import XYZ_to_Lab, delta_E_2000
 from ..bake import camera_share, colours, session
 from ..bake.collected import Shading
 from ..bake.light import SceneLight
-from .moments import EDGE, WITHIN
+from .curves import SEAM
+from .moments import WITHIN
 
 MOST = 64
 """Moments that light is baked for."""
@@ -69,12 +70,12 @@ class KeyLights:
 def marks(course: Course, low: float, frames: int) -> list[tuple[float, float]]:
     """Return the parts of a course, each smooth, in which there is light: from where to where.
 
-    Their ends are where the sun's disc rises or sets, and where skies end at ``low`` [degrees].
+    Their ends are where the sun rises or sets (`curves`), and where skies end at ``low`` [degrees].
     """
     x = np.linspace(0.0, 1.0, SAMPLES)
     height = course.elevation.at(x)
     ends = {0.0, 1.0}
-    for edge in (low, -EDGE, EDGE):
+    for edge in (low, 0.0, SEAM):
         above = height - edge
         k = np.flatnonzero(above[:-1] * above[1:] < 0.0)
         ends |= set((x[k] - above[k] * (x[k + 1] - x[k]) / (above[k + 1] - above[k])).tolist())
