@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..spectra.chromaticity import uv
 from ..spectra.working_spaces import DEFAULT_SPACE, XYZ_to_working
 from .lat_long import directions
-from .polynomial import HIGHEST_DEGREE, monomials
+from .polynomial import HIGHEST_DEGREE, exponents, monomials
 
 _ROWS = 256
 """Rows that a sky is brought to: finer ones are summed up (what they send to a face wholly in
@@ -191,10 +191,17 @@ def fit_coefficients(
     darkest = max(1e-3 * luminance.max(), 1e-300)
     # A little below the horizon still counts in full, for there the polynomial must not run away.
     weight = np.where(fitted[:, 2] >= -0.1, 1.0, 0.25) / np.maximum(luminance, darkest)
+    # The terms of each degree are those of the one before and some more: one QR serves them all.
+    known = exponents(HIGHEST_DEGREE)
+    order = sorted(range(len(known)), key=lambda k: sum(known[k]))
+    terms = (monomials(fitted, HIGHEST_DEGREE) * weight[:, None])[:, order]
+    Q, R = np.linalg.qr(terms)
+    along = Q.T @ (target * weight[:, None])
     coefficients, errors = [], []
     for each in range(HIGHEST_DEGREE + 1):
-        terms = monomials(fitted, each) * weight[:, None]
-        solution = np.linalg.lstsq(terms, target * weight[:, None], rcond=None)[0]
+        count = (each + 1) ** 2
+        solution = np.linalg.solve(R[:count, :count], along[:count])
+        solution = solution[np.argsort(order[:count])]  # as `exponents` has them
         estimate = monomials(checked, each) @ solution @ to_xyz.T
         relative = np.abs(estimate - truth)[:, 1] / np.maximum(truth[:, 1], darkest)
         colour = np.linalg.norm(uv(estimate, darkest) - uv(truth, darkest), axis=1)

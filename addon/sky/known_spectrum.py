@@ -64,7 +64,7 @@ class KnownSpectrum:
         """
         normals = np.asarray(normals, dtype=float)
         of_cells = _weights(normals.tobytes(), len(normals))
-        found = of_cells @ self.cells.reshape(-1, WAVELENGTHS.size)
+        found = product(of_cells, self.cells.reshape(-1, WAVELENGTHS.size))
         return found if self.sun_apart else found + self._of_sun(normals)
 
     def lit_and_shaded(self, normals: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -167,7 +167,7 @@ class KnownSpectrum:
         if not np.isfinite(values).all():
             return None
         scores, components, *rest = np.split(values, np.cumsum(sizes)[:-1])
-        flat = scores.reshape(-1, count) @ components.reshape(count, n)
+        flat = product(scores.reshape(-1, count), components.reshape(count, n))
         return cls(flat.reshape(ROWS, 2 * ROWS, n), *rest)
 
 

@@ -197,8 +197,8 @@ class Ensemble:
 
     def _wiener(self, S_in: NDArray, weights: NDArray) -> NDArray[np.float64]:
         scores = self.scores.astype(float)
-        moment = (scores * (weights / weights.sum())[:, None]).T @ scores
-        cross = self.components.T @ (moment @ (self.components @ S_in.T))
+        seen = scores @ (self.components @ S_in.T)  # by three sensors: no second moment is needed
+        cross = self.components.T @ (scores.T @ (seen * (weights / weights.sum())[:, None]))
         return np.linalg.solve((S_in @ cross).T, cross.T).T
 
 

@@ -95,8 +95,9 @@ def sphere(panorama: NDArray, to_panorama: NDArray[np.float64]) -> NDArray[np.fl
     theta = (np.arange(height) + 0.5) / height * np.pi
     phi = (0.5 - (np.arange(width) + 0.5) / width) * 2.0 * np.pi
     ring = np.stack([np.cos(phi), np.sin(phi), np.zeros(width)], axis=-1)
-    ways = np.sin(theta)[:, None, None] * ring + np.cos(theta)[:, None, None] * [0.0, 0.0, 1.0]
-    at = cells((ways.reshape(-1, 3) @ to_panorama).astype(np.float32))
+    ring, top = ring @ to_panorama, to_panorama[2]
+    ways = np.sin(theta)[:, None, None] * ring + np.cos(theta)[:, None, None] * top
+    at = cells(ways.reshape(-1, 3).astype(np.float32))
     weight = np.repeat(np.sin(theta), width)
     total = np.bincount(at, weight, SKY)
     flat = panorama.reshape(-1, panorama.shape[2])
