@@ -49,7 +49,9 @@ def analyzing(
         state = sky_image.state(sky.image)
         pixels = None if _is_known(state, sensors) else (yield from reading(sky.image))
     else:
-        signs += [CUT_OFF] if sky.image is not None else []
+        if sky.image is not None:  # Blender 4.5 has 8 bits of what it cannot show, too
+            spectra = sky_image.holds_spectra(sky.image)
+            signs += sky_image.notes(sky.image) if spectra else [CUT_OFF]
         pixels, frame = capture.bake(world, sky)
         signs += [f"the World is animated: its light is that of frame {frame}"] if frame else []
     elevation = _sun_elevation(world, sky)

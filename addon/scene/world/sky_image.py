@@ -214,9 +214,14 @@ def check_whole(image: bpy.types.Image) -> None:
 
 def check_shown(image: bpy.types.Image) -> None:
     """Raise InputError for an image that Blender cannot load because its file holds spectra."""
-    said = _said(image)
-    if said is not None and said.in_channels:
+    if holds_spectra(image):
         raise InputError(f'image "{image.name}"', SPECTRA, LOAD)
+
+
+def holds_spectra(image: bpy.types.Image) -> bool:
+    """Whether the pixels of an image's file are spectra."""
+    said = _said(image)
+    return said is not None and said.in_channels
 
 
 def read_layer(image: bpy.types.Image) -> Panorama:
