@@ -209,6 +209,13 @@ class Space:
         odd = np.flatnonzero(passed)
         return rows, odd, passed[odd] - 1
 
+    def nearest(self, origins: NDArray, ways: NDArray, reach: NDArray) -> NDArray[np.int32]:
+        """Return the cell (n,) that each ray meets within its reach, -1 for none and for panes and
+        what has holes."""
+        met = self.caster.first_hits(origins.astype(np.float32), ways.astype(np.float32))
+        met = self._within(met, origins, ways, reach, slice(None))
+        return np.where((met >= 0) & ~self._porous[self.cells.kind[met]], met, -1).astype(np.int32)
+
     def _within(self, met, origins, ways, reach, rays):
         """What some rays have met, -1 where that lies farther than their reach."""
         if reach is None or not len(self.cells.corners):

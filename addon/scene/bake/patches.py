@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...progress import Progress, aside, mapped
+from ...transport import feet
 from ...transport.cells import Cells, Surfaces, levels_for, pieces
 from ...transport.hits import Space
 from ...transport.radiosity import Radiosity
@@ -73,6 +74,7 @@ def casting_finely(
     direct = yield from mapped(coarse.lit_by(lamps), lambda _: at)
     yield from aside(at, coarse.solve, light.sky, direct)
     finer = layout.finer(parts, of_parts, layout.bends(coarse), tolerance, PATCHES[1])
+    parts, finer = yield from aside(at, feet.cut, coarse.space, parts, finer)
     cells = yield from aside(at, Cells.of, parts, finer, layout.SMALL * around.size)
     radiosity = Radiosity(Space(cells, matter))
     for done in radiosity.cast(sent(radiosity, 1)):

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ....node_groups import baked_light
 from ...progress import Progress, aside, mapped
-from ...transport import left_out
+from ...transport import feet, left_out
 from ...transport.cells import Cells
 from ...transport.hits import Space
 from ...transport.radiosity import Radiosity
@@ -159,6 +159,7 @@ def baking(
         finer = layout.finer(
             parts, of_parts, layout.bends(coarse), how.tolerance, patches.PATCHES[1]
         )
+        parts, finer = yield from aside(at, feet.cut, space, parts, finer)
         cells = yield from aside(at, Cells.of, parts, finer, small)
         space = Space(cells, matter, slow)
         del coarse, session
