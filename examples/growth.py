@@ -14,7 +14,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 from main_job import silenced
-from ways import Clock
+from way import Clock
 
 from spectral_skylight.addon.evaluation.chart_report import machine
 from spectral_skylight.addon.evaluation.charts import new_figure, write
@@ -197,15 +197,17 @@ def draw(stem: Path, rows: list[list[str]]) -> list[Path]:
         axis.set_axis_off()
     for axis, (grows, own) in zip(axes.flat, known.items(), strict=False):
         counts = np.array([float(row[1]) for row in own])
-        for k, step in enumerate(STEPS):
-            seconds = np.array([float(row[2 + k]) for row in own])
+        every = {s: np.array([float(row[2 + k]) for row in own]) for k, s in enumerate(STEPS)}
+        beside = 0.0
+        for step, seconds in sorted(every.items(), key=lambda each: each[1][-1]):
             if not seconds.all():
                 continue
+            beside = max(seconds[-1], 1.15 * beside)  # no number covers the one below
             axis.loglog(counts, seconds, marker="o", markersize=4, color=COLOURS[step])
             text = f"{slope(counts, seconds):.2f}"
             axis.annotate(
                 text,
-                (counts[-1], seconds[-1]),
+                (counts[-1], beside),
                 (5, -3),
                 textcoords="offset points",
                 fontsize=9,
@@ -216,8 +218,10 @@ def draw(stem: Path, rows: list[list[str]]) -> list[Path]:
         axis.grid(True, which="major", color="#e8e8e8")
         axis.spines[["top", "right"]].set_visible(False)
         for one in axis.xaxis, axis.yaxis:
-            one.set_major_locator(LogLocator(10.0, (1.0, 2.0, 5.0)))
-            one.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,g}"))
+            low, high = one.get_view_interval()
+            wide = one is axis.xaxis and high > 300.0 * low
+            one.set_major_locator(LogLocator(10.0, (1.0,) if wide else (1.0, 2.0, 5.0)))
+            one.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.10g}"))
             one.set_minor_formatter(NullFormatter())
     for axis in axes[:, 0]:
         axis.set_ylabel("Processor time [s]")
