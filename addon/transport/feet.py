@@ -17,8 +17,8 @@ OVER = 0.02
 COVER = 0.2
 """Of a cell's side: what lies so near over a corner hides it."""
 
-MOST = 4
-"""Walls that a triangle is cut by."""
+MOST, FEW = 4, 500
+"""Walls that a triangle is cut by; and cuts of all, the largest first, that are made at least."""
 
 SAME = 0.05
 """Of a cell's side: walls that are nearer to each other cut it once."""
@@ -33,6 +33,9 @@ def cut(space: Space, surfaces: Surfaces, levels: NDArray[np.int64]) -> tuple[Su
     triangle, planes = _standing(space)
     corners, number = surfaces.corners, np.arange(len(surfaces.corners))
     lengths, grain = surfaces.lengths, 1e-4 * surfaces.lengths
+    enough = max(FEW, int((4**levels).sum()) // 16)  # of leaves that cross leaves not all
+    chosen = np.argsort(-lengths[triangle], kind="stable")[:enough]
+    triangle, planes = triangle[chosen], planes[chosen]
     order = np.argsort(triangle, kind="stable")
     triangle, planes = triangle[order], planes[order]
     rank = np.arange(len(triangle)) - np.searchsorted(triangle, triangle)
