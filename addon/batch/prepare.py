@@ -124,9 +124,10 @@ def _make(study: Study, wanted: Prepared, sky: Path | None) -> None:
         notes.append(line)
     named = {blend_file.material(name): one for name, one in wanted.variant.given.items()}
     given = {**kept, **use_cases.resolved(named)}
-    found = Outcome()
+    found, chosen = Outcome(), None
     if sky is not None or named:  # else it is as it is
         found = run(use_cases.making_spectral_with_all_light(scene, given, settings))
+        chosen = use_cases.chosen_light() if settings.is_choosing else None
     light = found.light
     elsewhere = [line for image in bpy.data.images if (line := carry(image, study.out / FOLDER))]
     path = plan_data.inside(study.out, wanted.blend, ".blend")
@@ -139,6 +140,7 @@ def _make(study: Study, wanted: Prepared, sky: Path | None) -> None:
         "sun": wanted.sky.sun or _sun(light),
         "blender": bpy.app.version_string,
         "materials": [_material(result) for result in found.results],
+        "light": chosen,
         "notes": [*notes, *(light.notes if light else ()), *elsewhere],
         "elsewhere": elsewhere,
     }

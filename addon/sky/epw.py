@@ -19,15 +19,11 @@ from .file_claims import regular_size
 LARGEST = 64 << 20
 """[bytes]. A year of hours has 1.5 MB."""
 
-COLUMNS = 35
 EXTRATERRESTRIAL, DIRECT, DIFFUSE = 11, 14, 15
 """Columns of normal extraterrestrial, direct normal and diffuse horizontal radiation [Wh/m²]."""
 
 MISSING = 9999.0
 """From here on a value says that there is none; some files leave it empty."""
-
-POSSIBLE = 1500.0
-"""[W/m²]. The sun outside the air has 1413 at most, and no hour has more of it than that."""
 
 GIVE_EPW = "give an EPW weather file"
 
@@ -85,9 +81,6 @@ def read_hour(path: str | Path, date: str, time: str) -> WeatherHour:
     row = lines[number - 1].split(",")
     if len(row) <= DIFFUSE + 1:  # or the last number itself may be cut off
         raise InputError(f"{path}, line {number}", "ends early", "download the file again")
-    if any(cell.strip() for cell in row[COLUMNS:]):
-        problem = f"has more than {COLUMNS} values, as where numbers have decimal commas"
-        raise InputError(f"{path}, line {number}", problem, "give an EPW with decimal points")
     outside, direct, diffuse = (
         _number(path, number, row[i]) for i in (EXTRATERRESTRIAL, DIRECT, DIFFUSE)
     )
@@ -95,9 +88,6 @@ def read_hour(path: str | Path, date: str, time: str) -> WeatherHour:
         if not 0.0 <= value < MISSING:
             problem = f"{what} radiation of {date} {time} was not measured"
             raise InputError(f"{path}, line {number}", problem, "give another hour")
-        if value > POSSIBLE:
-            problem = f"{what} radiation of {value:g} W/m² is more than the sun sends"
-            raise InputError(f"{path}, line {number}", problem, "give another hour, or mend it")
     return WeatherHour(direct, diffuse, outside if 0.0 < outside < MISSING else None, station)
 
 

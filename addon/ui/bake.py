@@ -66,7 +66,9 @@ def _shown(context):
     if not scene_bake.baked():
         return []
     numbers = context.scene.world.skylight
-    if numbers.occlusion == AUTO or day_world.is_day(context.scene.world):
+    settings = properties.settings_of(context.scene.world)
+    is_auto = numbers.occlusion == AUTO and settings.least is None
+    if is_auto or day_world.is_day(context.scene.world):
         return update.unbaked(context)
     numbers.occlusion = BAKED
     return (yield from update.updating(context))

@@ -4,7 +4,7 @@
 
 import bpy
 
-from ..choices import BAKED
+from ..choices import ALL_LIGHT, BAKED
 from ..grouping import grouped
 from ..progress import run
 from . import choice, follow, give, operator, properties, update, view
@@ -37,7 +37,7 @@ Materials left alone are listed with the reason. Press Esc to stop"""
 
         scene = context.scene
         settings = properties.settings_of(scene.world)
-        with_light = settings.shadows == BAKED
+        with_light = settings.occlusion in ALL_LIGHT
         found, lines = run(self._work(context, not with_light)), []
         if with_light and use_cases.in_scene(scene):
             # A script waits for the light; in a window it comes between events, see `follow`.

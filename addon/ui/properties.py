@@ -25,6 +25,8 @@ def _stored(world):
 def _store(world, **values) -> None:
     from ..scene.world import settings
 
+    if {"occlusion", "tolerance"} & set(values):
+        values["least"] = None  # what light is enough is not known any more
     settings.store(world, replace(_stored(world), **values))
 
 

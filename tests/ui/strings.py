@@ -26,6 +26,7 @@ OWN = (
 
 SENTENCES = (
     "scene/bake/layout.py",
+    "scene/bake/least_light.py",
     "scene/bake/patches.py",
     "scene/bake/scene_bake.py",
     "scene/bake/session.py",

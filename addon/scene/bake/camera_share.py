@@ -1,4 +1,4 @@
-"""How much of the camera's picture each patch is."""
+"""What the camera's picture shows: how much of it each patch is, and places all over it."""
 
 from __future__ import annotations
 
@@ -33,6 +33,17 @@ class Eye:
         world = camera.matrix_world.copy()
         world.translation = [a - b for a, b in zip(world.translation, origin, strict=True)]
         return cls(np.array(world.translation), np.array(projection @ world.inverted()))
+
+    def looking(self, count: int) -> NDArray[np.float32]:
+        """Return unit vectors (count, 3) from the eye to places spread evenly over its picture."""
+        back = np.linalg.inv(self.onto)
+        # Kronecker's sequence by the roots of x^3 = x + 1 (M. Roberts 2018).
+        steps = 1.324717957244746 ** -np.arange(1.0, 3.0)
+        across = (0.5 + np.arange(count)[:, None] * steps) % 1.0 * 2.0 - 1.0
+        ends = np.concatenate([across, np.full((count, 1), 0.5), np.ones((count, 1))], axis=1)
+        ends = ends @ back.T
+        ways = ends[:, :3] / ends[:, 3:] - self.place
+        return (ways / np.linalg.norm(ways, axis=1, keepdims=True)).astype(np.float32)
 
 
 def weights(space: Space, eye: Eye | None) -> NDArray[np.float64]:

@@ -39,10 +39,15 @@ class Estimate:
 
 
 def estimate(
-    objects: Collection[bpy.types.Object], rays: int | None = None, slow: bool = False
+    objects: Collection[bpy.types.Object],
+    rays: int | None = None,
+    slow: bool = False,
+    enough: int | None = None,
 ) -> Estimate:
     """Return how long `scene_bake.bake` will take for some objects, within a factor of about 2.
 
+    ``rays`` from each point at last, or from as many points as need them, up to ``enough``; None:
+    as light asks for.
     It evaluates the scene and casts rays for some hundredths of a second.
     """
     triangles, corners, chosen = 0, 0, 0
@@ -58,6 +63,8 @@ def estimate(
             chosen += 1
     points = corners + DIVIDED
     ends = passes.rays_of(points, slow) if rays is None else [min(passes.FIRST[1], rays), rays]
+    if enough is not None:
+        ends = ends[:2] + [end for end in ends[2:] if end < passes.FACTOR * enough]
     later = float(points * sum(ends[1:]))
     if rays is None:
         # Some are sure of their light after two passes, and for the others the budget ends it.

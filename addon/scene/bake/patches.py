@@ -30,11 +30,13 @@ LEAST_SENT = 16
 BETWEEN = "light between surfaces"
 
 
-def first_cells(around: Geometry) -> tuple[NDArray, Surfaces, NDArray, NDArray, Cells]:
-    """Cut triangles into patches between which light first goes round: how often each was, `pieces`
-    of them, and their cells."""
+def first_cells(
+    around: Geometry, most: int = PATCHES[0]
+) -> tuple[NDArray, Surfaces, NDArray, NDArray, Cells]:
+    """Cut triangles into patches between which light first goes round, about so many at most: how
+    often each was, `pieces` of them, and their cells."""
     surfaces, small = around.surfaces, layout.SMALL * around.size
-    levels = levels_for(surfaces, layout.START * around.size, PATCHES[0], small)
+    levels = levels_for(surfaces, layout.START * around.size, most, small)
     parts, of_parts, triangle = pieces(surfaces, levels)
     return levels, parts, of_parts, triangle, Cells.of(parts, of_parts, small)
 

@@ -20,6 +20,8 @@ from ...progress import Progress, aside, mapped, run
 from . import geometry, instance_proxies, session, storage, surroundings
 from . import light as light_of_scene
 from .estimate import estimate
+from .how import How
+from .least_light import LeastLight
 
 NOTHING = "0 object(s) baked"
 """The line of a bake that found every object's light new."""
@@ -101,6 +103,7 @@ def bake(
     changed_only: bool = True,
     slow: bool = False,
     error: float | None = None,
+    least: LeastLight | None = None,
 ) -> Generator[Progress, None, list[str]]:
     """Bake objects of the view layer (None: all `targets`), yielding `Progress`; returns lines.
 
@@ -122,6 +125,8 @@ def bake(
         Without `embreex` also where it is installed.
     error
         CIEDE2000 that points cast no more rays to get under; None: a tenth of what is seen.
+    least
+        The light that is enough for that; None: as much as can be had.
     """
     real, empties, lines = _real(targets() if objects is None else objects)
     own, others = instance_proxies.apart(real)
@@ -141,10 +146,11 @@ def bake(
                 continue
             if not done:
                 later = [obj for each, more in stages[number + 1 :] for obj in (*each, *more)]
-                seconds = estimate([*chosen, *later], rays, slow).all
+                found = estimate([*chosen, *later], rays, slow, least.rays if least else None)
+                seconds = found.first if least is not None and least.coarse else found.all
                 yield Progress(0.0, f"about {seconds:.0f} s")
             first_only = number + 1 < len(stages)
-            how = session.How(rays, tolerance, slow, first_only, error)
+            how = How(rays, tolerance, slow, first_only, error, least)
             work = session.baking(chosen, light or light_of_scene.Light(), how)
             said, count = yield from mapped(work, partial(_part, number, len(stages)))
             lines += said

@@ -23,13 +23,12 @@ from ...transport.radiosity import Radiosity
 from . import camera_share, geometry, layout, passes, patches, storage, surroundings
 from . import colours as coloured
 from .collected import Collected, Shading
+from .how import How
+from .least_light import LeastLight
 from .light import Light, SceneLight
 from .receivers import Points, Receivers, Target
 from .scene_key import scene_key
 from .shelf import Shelf, there
-
-FIRST = 64
-"""Rays from points for a first light, where users say how many at last."""
 
 
 @dataclass
@@ -48,27 +47,15 @@ class Session:
     """By which part the last pass of rays has changed the light, in the mean: less is left."""
     left_out: str = ""
     """What less light would be off by, in words."""
+    coarse: bool = False
+    """Whether light goes round between the first patches: enough for a picture, not for a meter."""
+    least: LeastLight | None = None
+    """What was enough, where anything less than all was asked for."""
 
     @property
     def names(self) -> set[str]:
         """Of its objects."""
         return {target.name for target in self.collected.receivers.targets}
-
-
-@dataclass(frozen=True)
-class How:
-    """How to bake: see `scene_bake.bake`; ``first_only``: no more than a first light."""
-
-    rays: int | None
-    tolerance: float
-    slow: bool
-    first_only: bool = False
-    error: float | None = None
-
-    @property
-    def sure(self) -> float:
-        """By which part a pass may change the light of a point that is done."""
-        return max(passes.SURE, passes.PER_DELTA_E * (self.error or 0.0))
 
 
 _last: list[Session] = []
@@ -132,7 +119,7 @@ def baking(
         for done in receivers.look(space):
             yield Progress(0.19 + 0.01 * done, "geometry")
         points = f"{len(receivers):,} points"
-        each = passes.rays_of(len(receivers), slow) if count is None else [FIRST, count]
+        each = how.passes(len(receivers))
         # A first light of coarse patches and few rays, and from then on ever better ones.
         collected = Collected(receivers, space)
         session = Session(0, around.origin, around.materials, coarse, collected)
@@ -153,6 +140,11 @@ def baking(
         surroundings.remember(lit, found)
         yield Progress(0.25, "a first light")
         if how.first_only:
+            return lines, len(plans)
+        if len(each) == 1:
+            session.key, session.light = scene_key(), light.key(session.materials)
+            session.coarse, session.least = True, how.said(each[-1])
+            _last.append(session)
             return lines, len(plans)
         # With what lamps light, which is stored nowhere, but sent on from there.
         at = Progress(0.25, patches.BETWEEN)
@@ -183,6 +175,7 @@ def baking(
                 last = colours
             yield Progress(0.6 + 0.4 * done, points)
         session.key, session.light = scene_key(), light.key(session.materials)
+        session.least = how.said(each[-1])
         _last.append(session)
     finally:
         if laid_out is None:
@@ -279,8 +272,9 @@ def casting(
 
 
 def remembered(key: int) -> tuple[NDArray, list[str], Radiosity] | None:
-    """What `casting` returns, of the last bake; None where it was of another `scene_key`."""
-    if not _last or _last[0].key != key:
+    """What `casting` returns, of the last bake; None where it was of another `scene_key`, or its
+    patches are `coarse`."""
+    if not _last or _last[0].key != key or _last[0].coarse:
         return None
     return _last[0].origin, _last[0].materials, _last[0].radiosity
 
@@ -303,6 +297,8 @@ def account() -> str:
     collected, noise = _last[0].collected, _last[0].noise
     rays = max(map(len, collected.patterns), default=0)
     points = f"{len(collected.receivers):,} points of up to {rays:,} rays"
+    if (least := _last[0].least) is not None:
+        return f"{len(collected.receivers):,} points; {least.line}"
     found = f"{points}, noise under {max(100 * noise, 0.1):.1f} %"
     return f"{found}; {_last[0].left_out}" if _last[0].left_out else found
 
@@ -311,6 +307,14 @@ def _left_out(radiosity: Radiosity, light: SceneLight, eye: camera_share.Eye | N
     """What less light would be off by in the camera's picture, or everywhere without one."""
     weight = camera_share.weights(radiosity.space, eye)
     return left_out.left_out(radiosity, light.sky, light.to_XYZ, weight).line
+
+
+def holds(least: LeastLight | None) -> bool:
+    """Whether the last bake has as many rays as are enough now, as far as is remembered."""
+    own = _last[0].least if _last else None
+    if own is None:
+        return True
+    return least is not None and least.rays <= own.rays and (least.coarse or not own.coarse)
 
 
 def lit_by() -> tuple[int, int]:

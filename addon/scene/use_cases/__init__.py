@@ -4,7 +4,14 @@ Those that take long are generators of `Progress`: `run` works one to its end, a
 one leaves things whole. Each returns what to report.
 """
 
-from .light import all_light, bake, following, light_lines, making_spectral_with_all_light
+from .light import (
+    all_light,
+    bake,
+    chosen_light,
+    following,
+    light_lines,
+    making_spectral_with_all_light,
+)
 from .materials import (
     editable,
     estimate,
@@ -31,6 +38,7 @@ __all__ = [
     "analyzed",
     "animate",
     "bake",
+    "chosen_light",
     "develop",
     "developing",
     "editable",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Generator
 from dataclasses import replace
 from typing import Any
@@ -9,14 +10,17 @@ from typing import Any
 import bpy
 
 from ... import tags
-from ...choices import BAKED
+from ...choices import ALL_LIGHT, BAKED, OPEN
 from ...progress import Progress, timed
 from .. import out_of_date, scene_lighting
 from .. import plan as planning
 from ..bake import scene_bake, session
+from ..bake.least_light import LeastLight, least_light
 from ..bake.light import SceneLight, shining_of
+from ..bake.sounding import sounding
 from ..day import animate as animation
 from ..lights import lighting
+from ..materials import spectral_material
 from ..materials.assigned import assigned
 from ..outcome import Outcome
 from ..plan import Assignments
@@ -26,6 +30,8 @@ from ..write import write
 from .materials import editable, given_before, in_scene, making_spectral, updating
 from .world import developing
 
+_chosen: list[LeastLight] = []
+
 
 def making_spectral_with_all_light(
     scene: bpy.types.Scene, given: Assignments, settings: Settings
@@ -34,8 +40,9 @@ def making_spectral_with_all_light(
 
     Raises InputError as `make_spectral` does.
     """
-    found = yield from making_spectral(scene, given, settings, settings.shadows != BAKED)
-    if settings.shadows != BAKED:
+    with_light = settings.occlusion in ALL_LIGHT
+    found = yield from making_spectral(scene, given, settings, not with_light)
+    if not with_light:
         return found
     lines = yield from all_light(scene, settings)
     return replace(found, lines=[*found.lines, *lines])
@@ -84,9 +91,7 @@ def following(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress,
     lines: list[str] = []
     shining = yield from shining_on(scene, settings)
     if not session.is_lit_by(shining):
-        chosen, lines = editable(in_scene(scene))
-        world = yield from developing(scene, settings)
-        yield from write((yield from planning.making(world, given_before(chosen), settings)))
+        lines = yield from _showing(scene, settings)
         shining = yield from shining_on(scene, settings)
     return lines + (yield from _lighting(scene, settings, shining))
 
@@ -114,12 +119,65 @@ def _of_day(
 def _lighting(
     scene: bpy.types.Scene, settings: Settings, shining: SceneLight
 ) -> Generator[Progress, None, list[str]]:
-    old = yield from scene_bake.finding_stale()
     lines: list[str] = []
+    least = None
+    _chosen.clear()
+    if settings.is_choosing:
+        least = yield from _choosing(scene, settings)
+        enough = OPEN if least is not None and least.light == OPEN else None
+        if enough != settings.least:
+            settings = replace(settings, least=enough)
+            lines = yield from _showing(scene, settings)
+            shining = yield from shining_on(scene, settings)
+        if least is not None and enough == OPEN:
+            scene_bake.remove()
+            session.forget()
+            return [*lines, least.line]
+    old = yield from scene_bake.finding_stale()
     if not any(map(scene_bake.is_waiting, old)):
-        lines = yield from scene_bake.relighting(shining)
-    options = {"changed_only": False, "error": settings.tolerance}
+        if session.holds(least):
+            lines += yield from scene_bake.relighting(shining)
+        else:
+            old = scene_bake.targets()
+    options = {"changed_only": False, "error": settings.tolerance, "least": least}
     return lines + (yield from _baking(scene, shining, old, **options))
+
+
+def _choosing(
+    scene: bpy.types.Scene, settings: Settings
+) -> Generator[Progress, None, LeastLight | None]:
+    """Find the least light that keeps to the tolerance; None where no picture tells."""
+    shining = yield from shining_on(scene, replace(settings, least=None))
+    under = yield from shining_on(scene, replace(settings, least=OPEN))
+    found = yield from sounding(shining, under.sky, errors_of_models(scene))
+    if found is not None:
+        _chosen.append(least_light(found, settings.tolerance or 0.0))
+    return _chosen[0] if _chosen else None
+
+
+def chosen_light() -> dict[str, Any] | None:
+    """The light that a tolerance has chosen last, as plain data: `LeastLight`; None without."""
+    return _chosen[0].plain() if _chosen else None
+
+
+def errors_of_models(scene: bpy.types.Scene) -> dict[str, float]:
+    """The CIEDE2000 that is expected of each managed material's matrix, by its full name; 0 where
+    none could be predicted."""
+    errors = {}
+    for material in in_scene(scene):
+        managed = spectral_material.managed(material)
+        result = None if managed is None else managed.details.result
+        known = result is not None and math.isfinite(result.matrix_delta_E)
+        errors[material.name_full] = result.matrix_delta_E if result and known else 0.0
+    return errors
+
+
+def _showing(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress, None, list[str]]:
+    """Let materials show what they have by these settings; returns lines."""
+    chosen, lines = editable(in_scene(scene))
+    world = yield from developing(scene, settings)
+    yield from write((yield from planning.making(world, given_before(chosen), settings)))
+    return lines
 
 
 def shining_on(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress, None, SceneLight]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import tags
-from ...choices import ALL_LIGHT, BAKED, BASIS, GROUNDS, OCCLUSIONS, SIMPLEST, default
+from ...choices import ALL_LIGHT, AUTO, BAKED, BASIS, GROUNDS, OCCLUSIONS, OPEN, SIMPLEST, default
 from ...sky.light import SkyLight
 from ...spectra import sensitivities
 from ...transfer.choice import Choice, choose_with
@@ -43,6 +43,9 @@ class Settings:
     """The light from below: one of `transfer.ground.CHOICES`, or the modelled ground where geometry
     lies under the materials, else the HDRI's."""
     occlusion: str = default(OCCLUSIONS)
+    least: str | None = None
+    """What automatic occlusion with a tolerance came to: `OPEN` where that is enough for the whole
+    picture; None: baked."""
     bounce: bool = False
     """Asked for every bounce between surfaces, which baked light holds anyway."""
     gloss: bool = False
@@ -70,8 +73,16 @@ class Settings:
 
     @property
     def shadows(self) -> str:
-        """The occlusion that materials show: all light is a bake, whoever keeps it new."""
+        """The occlusion that materials show: all light is a bake, whoever keeps it new, but where
+        less is enough."""
+        if self.is_choosing and self.least is not None:
+            return self.least
         return BAKED if self.occlusion in ALL_LIGHT else self.occlusion
+
+    @property
+    def is_choosing(self) -> bool:
+        """Whether the light follows from the tolerance."""
+        return self.occlusion == AUTO and self.tolerance is not None
 
     @property
     def sensors(self) -> NDArray[np.float64]:
@@ -142,6 +153,7 @@ _RIGHT: dict[str, Callable[[Any], bool]] = {
     "sun": lambda value: isinstance(value, bool),
     "ground": lambda value: value in list(GROUNDS),
     "occlusion": lambda value: value in list(OCCLUSIONS),
+    "least": lambda value: value == OPEN,
     "bounce": lambda value: isinstance(value, bool),
     "gloss": lambda value: isinstance(value, bool),
 }

@@ -1,0 +1,192 @@
+"""The light on some places that stand for a picture: what less of it, or fewer rays, would be off.
+
+They cast every pattern of rays that the points of a bake could, before any of those casts one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..spectra.cielab import XYZ_to_Lab, delta_E_2000
+from . import directions
+from .hits import Space, gather
+from .lamps import Direct, shine
+
+PLACES = 256
+"""Places that stand for a picture: their mean is known to a tenth of it or so."""
+
+RAYS = 16, 64, 256, 1024
+"""From each; the last of them is taken for true."""
+
+TOLD = 0.5
+"""A place of whose rays fewer tell anything lies in something solid."""
+
+
+@dataclass(frozen=True)
+class Probed:
+    """Places (k,) by what a picture shows: their ``normals`` (k, 3), reflectance ``rho`` (k, 16),
+    and light as irradiance / pi (k, 16): ``direct`` of lamps, ``first`` that has not bounced, all
+    of it by how many ``rays`` were cast, and ``rough`` as it is between fewer patches."""
+
+    normals: NDArray[np.float32]
+    rho: NDArray[np.float64]
+    direct: NDArray[np.float64]
+    first: NDArray[np.float64]
+    rays: dict[int, NDArray[np.float64]]
+    rough: NDArray[np.float64]
+    to_XYZ: NDArray[np.float64]
+
+    def error(self, light: NDArray[np.float64]) -> float:
+        """Return the mean CIEDE2000 of another light (k, 16) there, white being the perfect
+        diffuser in all the light of the place."""
+        true = self.rays[max(self.rays)]
+        white = true @ self.to_XYZ.T
+        one, other = (
+            XYZ_to_Lab((self.rho * each) @ self.to_XYZ.T, white) for each in (light, true)
+        )
+        return float(delta_E_2000(one, other).mean())
+
+    def without_bounces(self) -> float:
+        """Return the mean CIEDE2000 where no surface sends light on."""
+        return self.error(self.first)
+
+    def under(self, open_sky: NDArray[np.float32]) -> float:
+        """Return the mean CIEDE2000 where nothing hides a sky (SKY, 16), and lamps cast shadows."""
+        return self.error(directions.open_light(open_sky, self.normals) + self.direct)
+
+    def noise(self) -> dict[int, float]:
+        """Return the mean CIEDE2000 by how many rays are cast.
+
+        The most, of which no more are cast to judge them by, err as much less than those before as
+        these do than theirs.
+        """
+        counts = sorted(self.rays)
+        errors = [self.error(self.rays[count]) for count in counts[:-1]]
+        last = errors[-1] * min(errors[-1] / max(errors[-2], 1e-9), 1.0) if errors[1:] else 0.0
+        return dict(zip(counts, [*errors, last], strict=True))
+
+
+@dataclass(frozen=True)
+class Places:
+    """Places over faces of cells: ``at`` (k, 3), the ``normals`` of the side that is seen (k, 3),
+    and their ``cell`` (k,)."""
+
+    at: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    cell: NDArray[np.int64]
+
+    def part(self, chosen: NDArray) -> Places:
+        """Return some of them."""
+        return Places(self.at[chosen], self.normals[chosen], self.cell[chosen])
+
+
+def seen_along(space: Space, eye: NDArray, ways: NDArray[np.float32]) -> Places:
+    """Return what rays (n, 3) from an eye (3,) meet first, for those that meet anything."""
+    cells = space.cells
+    starts = np.repeat(np.asarray(eye, np.float32)[None], len(ways), axis=0)
+    met = space.caster.first_hits(starts, ways)
+    found = np.flatnonzero(met >= 0)
+    cell, ways = met[found], ways[found]
+    slope = np.einsum("nk,nk->n", ways, cells.normals[cell])
+    to = np.einsum("nk,nk->n", cells.corners[cell, 0] - starts[found], cells.normals[cell])
+    far = to / np.where(slope == 0.0, 1e-9, slope)
+    normals = np.where(slope[:, None] > 0.0, -cells.normals[cell], cells.normals[cell])
+    at = starts[found] + far[:, None].astype(np.float32) * ways
+    at = at + space.lift(at) * normals
+    return Places(at.astype(np.float32), normals.astype(np.float32), cell)
+
+
+def spread(space: Space, weight: NDArray[np.float64], count: int = PLACES) -> Places:
+    """Return places on the fronts of patches, by the weight (patches,) of each; none without."""
+    cells = space.cells
+    total = np.cumsum(weight)
+    count = count if len(total) and total[-1] > 0.0 else 0
+    steps = (np.arange(count) + 0.5) / max(count, 1) * total[-1:]
+    patches = np.minimum(np.searchsorted(total, steps), len(total) - 1)
+    at, of = cells.places(np.random.default_rng(3).random((count, 3)), patches)
+    own = np.arange(count)
+    cell, at = of[own, own], at[own, own]
+    return Places(at + space.lift(at) * cells.normals[cell], cells.normals[cell], cell)
+
+
+@dataclass(frozen=True)
+class Sent:
+    """What surfaces and the sky send along rays: a ``space``, and the ``table`` (rows, 16) and what
+    ``tells`` (rows,) anything, as `Radiosity.solve` returned them."""
+
+    space: Space
+    table: NDArray[np.float32]
+    tells: NDArray[np.float32]
+
+    def light(
+        self, places: Places, rays: int, open_light: NDArray[np.float64], bounced: bool = True
+    ) -> Generator[float, None, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+        """Return the light (k, 16) that so many rays bring, and which part of them (k,) tells
+        anything, yielding 0 to 1. ``open_light`` (k, 16): the sky's where nothing hides it. Not
+        ``bounced``: no surface sends on what it is sent."""
+        space = self.space
+        filters = np.array(space.filters) if space.filters else None
+        wide = None if filters is None else np.concatenate([filters, filters[:, :1]], axis=1)
+        above = np.zeros_like(self.table)
+        sky = above[space.sky : space.lost] = self.table[space.sky : space.lost]
+        surfaces = self.table - above
+        if not bounced:
+            surfaces[:] = 0.0
+            first = space.cells.first
+            surfaces[: len(first)] = space.matter.emission[space.cells.kind[first]]
+        surfaces = np.concatenate([surfaces, self.tells[:, None]], axis=1)
+        pattern = directions.pattern(rays)
+        # As `Collected` has it: what nothing hides is without error.
+        unhidden = sky[directions.cells(directions.about(places.normals, pattern))].mean(axis=1)
+        more = open_light / np.maximum(unhidden, 1e-30)
+        more = np.where(unhidden > 0.0, np.clip(more, 0.5, 2.0), 1.0)
+        result, told = np.empty(more.shape), np.empty(len(more))
+        for part, hits in space.look(places.at, places.normals, pattern):
+            sums = gather(hits, surfaces, wide)
+            told[part] = sums[:, -1]
+            result[part] = sums[:, :-1] + more[part] * gather(hits, above, filters)
+            yield part.stop / len(told)
+        return result / np.maximum(told, 1e-3)[:, None], told
+
+
+def probing(
+    sent: Sent,
+    rough: Sent,
+    places: Places,
+    lamps: Sequence[Direct],
+    to_XYZ: NDArray[np.float64],
+    rays: Sequence[int] = RAYS,
+) -> Generator[float, None, Probed | None]:
+    """Look at the light on places of a picture, yielding 0 to 1; None where there is none.
+
+    ``rough``: the same light between fewer patches; ``to_XYZ`` (3, 16): of light in bands.
+    """
+    if not len(places.at):
+        return None
+    space = sent.space
+    rng = np.random.default_rng(4)
+    direct = np.zeros((len(places.at), to_XYZ.shape[1]))
+    for lamp in lamps:
+        direct += shine(space, lamp, places.at, places.normals, rng)
+    open_light = directions.open_light(sent.table[space.sky : space.lost], places.normals)
+    found: dict[int, NDArray[np.float64]] = {}
+    for count in rays:
+        found[count], told = yield from sent.light(places, count, open_light)
+    first, _ = yield from sent.light(places, rays[-1], open_light, bounced=False)
+    other, _ = yield from rough.light(places, rays[-1], open_light)
+    kept = (told >= TOLD) & ((direct + found[rays[-1]]).mean(axis=1) > 0.0)
+    if not kept.any():
+        return None
+    return Probed(
+        places.normals[kept],
+        space.matter.reflectance[space.cells.kind[places.cell[kept]]],
+        direct[kept],
+        (direct + first)[kept],
+        {count: (direct + light)[kept] for count, light in found.items()},
+        (direct + other)[kept],
+        to_XYZ,
+    )
