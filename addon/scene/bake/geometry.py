@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Generator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
 from typing import Any
@@ -178,7 +178,7 @@ def _read_some(first: int, read: Read) -> int | None:
 
 def assembled(read: Read) -> Geometry:
     """All that was read, in the world."""
-    placed, owners, materials = read.placed, list(read.owners), list(read.materials)
+    placed, owners, materials = _in_order(read)
     empty = np.empty(0, np.int32)
     if not placed:
         none, no = np.empty((0, 3, 3)), np.empty(0, bool)
@@ -230,6 +230,19 @@ def assembled(read: Read) -> Geometry:
     return Geometry(
         places, origin, owner, owners, instances, material, materials, polygon, solid, size
     )
+
+
+def _in_order(read: Read) -> tuple[list[_Placed], list[str], list[str]]:
+    """What was read, and names of owners and materials, in one order for one scene.
+
+    Blender's own goes by addresses in memory: each time it starts, rays would be others.
+    """
+    owners, materials = sorted(read.owners), sorted(read.materials)  # no material, "", is first
+    kinds = np.array([materials.index(name) for name in read.materials], np.int32)
+    ranks = {read.owners[name]: rank for rank, name in enumerate(owners)}
+    placed = [replace(one, owner=ranks[one.owner], kinds=kinds[one.kinds]) for one in read.placed]
+    placed.sort(key=lambda one: one.owner)  # an owner's instances stay as they follow each other
+    return [replace(one, number=k) for k, one in enumerate(placed)], owners, materials
 
 
 def _close(solid, shells, corners, origin) -> None:
