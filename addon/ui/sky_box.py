@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 
+from .. import tags
 from ..errors import InputError
 from . import panel_text, place_box, under_way
 from .labels import told
@@ -48,12 +49,13 @@ def draw(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     column = box.column(align=True)
     row = column.row(align=True)
     part = row.row(align=True)
-    part.enabled = seen.mapping is not None
+    moves = tags.DAY in world  # keyframes and drivers would take back whatever is set here
+    part.enabled = seen.mapping is not None and not moves
     part.prop(world.skylight, "rotation")
     row.operator("skylight.load_sky", text="", icon="FILEBROWSER")
     row = column.row(align=True)
     part = row.row(align=True)
-    part.enabled = seen.background is not None
+    part.enabled = seen.background is not None and not moves
     part.prop(world.skylight, "exposure")
     row.operator("skylight.make_sky", text="", icon="LIGHT_SUN")
     place_box.draw(box, context, seen.image)

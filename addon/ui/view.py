@@ -91,6 +91,8 @@ def nothing_to_compare() -> str:
     found = spectral_material.ours()
     if not found:
         return "No material is spectral yet"
+    if any(tags.DAY in world for world in bpy.data.worlds if world.users):
+        return "Not while the sky moves: load one sky to compare"
     known = any(tags.COMPARISON in material for material in found)
     return "" if known else "Made with an earlier version: press Update first"
 

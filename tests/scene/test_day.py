@@ -29,6 +29,7 @@ from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.addon.spectra.working_spaces import LUMINANCE
 from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.addon.transfer.measures import delta_E
+from spectral_skylight.addon.ui import view
 from spectral_skylight.node_groups import light_probe, sky_irradiance, skylight_surface
 
 PLACE = SkyPlace("2025-06-21", "10:30", "Europe/Berlin", 48.1, 11.6, north=20.0)
@@ -193,6 +194,11 @@ def test_bad_input_changes_nothing(day):
         with pytest.raises(InputError, match=line):
             run(use_cases.animate(scene, animate.Day(**{**vars(DAY), **change}), OPEN))
         assert scene.world == world and tags.DAY in world
+
+
+def test_rgb_is_not_compared_while_the_sky_moves(day):
+    """Drivers would take its numbers back, and what is kept of both would be ours."""
+    assert "sky moves" in view.nothing_to_compare()
 
 
 def test_another_material_moves_too_and_nothing_of_the_first_day_stays(day, monkeypatch):
