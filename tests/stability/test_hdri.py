@@ -42,8 +42,9 @@ def as_bright(rgb):
 
 
 def test_negative_pixels_and_blue_out_of_gamut(keep):
-    """A twilight's darkest blue has less than no red in Rec.709; DWA compression does the same."""
-    whole = picture(sky(-6.0), 64, 180.0, False, S)
+    """A twilight's darkest blue, in a spring with much ozone, has less than no red in Rec.709; DWA
+    compression does the same."""
+    whole = picture(sky(-6.0, ozone=400.0), 64, 180.0, False, S)
     whole[32:] = 0.0
     low = whole.copy()
     # What lossy files hold: a few negatives, as deep as 2e-3 of a bright pixel (measured in the

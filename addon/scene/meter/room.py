@@ -15,7 +15,6 @@ from ...sky.cie_skies import cie_overcast
 from ...spectra.illuminants import D65
 from ...spectra.photometry import quantity
 from ...transport import directions
-from ...transport.cells import Matter
 from ..bake.light import SceneLight
 from . import calibration, light_meter, lit_scene
 from .calibration import Told
@@ -80,17 +79,9 @@ class Overcast(SceneLight):
         up = ways[:, 2]
         luminance = np.where(up > 0.0, cie_overcast(np.arcsin(up)), GROUND * LEVEL)
         dark = np.zeros_like(before.ground)
-        self.sources = replace(
-            before, rgb=luminance[:, None] * white, ground=dark, lamps=[], sunny=False
-        )
-        self.strength, self.lamps = 1.0, []
-        self._known = {}
-
-    def matter(self, names) -> Matter:
-        """As a `Light`'s, nothing shining by itself."""
-        found = super().matter(names)
-        found.emission[:] = 0.0
-        return found
+        rgb = luminance[:, None] * white
+        found = replace(before, rgb=rgb, ground=dark, lamps=[], sunny=False)
+        super().__init__(found, 1.0, emits=False)
 
 
 LEVEL = 7.0 / 9.0
