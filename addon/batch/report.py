@@ -94,6 +94,7 @@ def record(out: Path, blend: str) -> dict[str, Any] | None:
     ``sky``, ``variant``: names of what it was made of; ``sun``: elevation and azimuth [degrees],
     null without one; ``blender``: the version that made it;
     ``materials``: a dictionary each, as `spectral.Result`, with its color as CSS has it;
+    ``light``: which light its tolerance has chosen, as `LeastLight`, null where none was to choose;
     ``notes``: lines to read; ``elsewhere``: a line for each image that is still read from another
     place.
     """
