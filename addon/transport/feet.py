@@ -79,7 +79,7 @@ def _standing(space: Space) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     found = found[~hidden.any(axis=1)]
     hit, own = met[found], found // 3
     normal = cells.normals[hit].astype(float)
-    steep = np.abs((normal * normals[own]).sum(axis=1)) < ALONG
+    steep = (np.abs((normal * normals[own]).sum(axis=1)) < ALONG) & (lengths[own] > 0.0)
     found, hit, own, normal = found[steep], hit[steep], own[steep], normal[steep]
     sign = np.where(normal[np.arange(len(hit)), np.abs(normal).argmax(axis=1)] < 0.0, -1.0, 1.0)
     normal *= sign[:, None]

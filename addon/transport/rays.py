@@ -24,6 +24,8 @@ class Caster:
     def __init__(self, corners: NDArray[np.float32], slow: bool = False) -> None:
         self.corners = np.ascontiguousarray(corners, np.float32)
         self.embree = fast() and not slow
+        if len(self.corners):  # built now, where whoever makes it chooses to: Blender may not wait
+            _ = self._scene if self.embree else self._tree
 
     def first_hits(
         self, origins: NDArray[np.float32], ways: NDArray[np.float32]

@@ -55,7 +55,8 @@ def casting(around: Geometry, light: Light) -> Generator[Progress, None, Radiosi
         at, levels_for, surfaces, layout.START * around.size, PATCHES[1], small
     )
     cells = yield from aside(at, Cells.of, surfaces, levels, small)
-    radiosity = Radiosity(Space(cells, light.matter(around.materials)))
+    space = yield from aside(at, Space, cells, light.matter(around.materials))
+    radiosity = Radiosity(space)
     for done in radiosity.cast(sent(radiosity, 1)):
         yield Progress(0.3 * done, BETWEEN)
     return radiosity
@@ -68,7 +69,7 @@ def casting_finely(
     shadow's edge: what lies just beside it, as before an open door, counts for those inside."""
     at, matter = Progress(0.0, BETWEEN), light.matter(around.materials)
     _, parts, of_parts, _, cells = yield from aside(at, first_cells, around)
-    coarse = Radiosity(Space(cells, matter))
+    coarse = Radiosity((yield from aside(at, Space, cells, matter)))
     for done in coarse.cast(sent(coarse, 0), alike=True):
         yield Progress(0.1 * done, BETWEEN)
     at = Progress(0.1, BETWEEN)
@@ -78,7 +79,7 @@ def casting_finely(
     finer = layout.finer(parts, of_parts, layout.bends(coarse), tolerance, PATCHES[1])
     parts, finer = yield from aside(at, feet.cut, coarse.space, parts, finer)
     cells = yield from aside(at, Cells.of, parts, finer, layout.SMALL * around.size)
-    radiosity = Radiosity(Space(cells, matter))
+    radiosity = Radiosity((yield from aside(at, Space, cells, matter)))
     for done in radiosity.cast(sent(radiosity, 1)):
         yield Progress(0.1 + 0.3 * done, BETWEEN)
     return radiosity

@@ -90,7 +90,7 @@ def baking(
         levels, parts, of_parts, triangle, cells = yield from aside(
             at_first, patches.first_cells, around
         )
-        space = Space(cells, matter, slow)
+        space = yield from aside(at_first, Space, cells, matter, slow)
         coarse = Radiosity(space)
         for done in coarse.cast(patches.sent(coarse, 0), alike=True):
             yield Progress(0.15 * done, patches.BETWEEN)
@@ -153,7 +153,7 @@ def baking(
         )
         parts, finer = yield from aside(at, feet.cut, space, parts, finer)
         cells = yield from aside(at, Cells.of, parts, finer, small)
-        space = Space(cells, matter, slow)
+        space = yield from aside(at, Space, cells, matter, slow)
         del coarse, session
         radiosity = Radiosity(space)
         for done in radiosity.cast(patches.sent(radiosity, 1)):

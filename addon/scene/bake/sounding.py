@@ -62,11 +62,13 @@ def sounding(
     matter, small = light.matter(around.materials), layout.SMALL * around.size
     lamps = [lamp.seen_from(around.origin) for lamp in light.lamps]
     _, parts, of_parts, _, cells = yield from aside(AT, patches.first_cells, around, PATCHES[0])
-    coarse, rough = yield from _going_round(Space(cells, matter), light, lamps, True)
+    space = yield from aside(AT, Space, cells, matter)
+    coarse, rough = yield from _going_round(space, light, lamps, True)
     bends = yield from aside(AT, layout.bends, coarse)
     finer = yield from aside(AT, layout.finer, parts, of_parts, bends, BEND, PATCHES[1])
     cells = yield from aside(AT, Cells.of, parts, finer, small)
-    _, sent = yield from _going_round(Space(cells, matter), light, lamps, False)
+    space = yield from aside(AT, Space, cells, matter)
+    _, sent = yield from _going_round(space, light, lamps, False)
     known = np.array([models.get(name, np.nan) for name in around.materials])
     eye = camera_share.Eye.of(bpy.context.scene, around.origin)
     places = yield from aside(AT, _places, sent.space, eye, np.isfinite(known))
