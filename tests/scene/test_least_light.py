@@ -12,6 +12,7 @@ from spectral_skylight.addon.scene import out_of_date, use_cases
 from spectral_skylight.addon.scene.bake import scene_bake, session
 from spectral_skylight.addon.scene.bake.least_light import MOST, least_light
 from spectral_skylight.addon.scene.bake.sounding import Sounding
+from spectral_skylight.addon.scene.use_cases import light
 from spectral_skylight.addon.scene.world.settings import Settings, stored
 from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.tests import faces
@@ -72,6 +73,10 @@ def test_a_box_in_the_open_needs_no_bake_and_a_court_needs_every_bounce(tmp_path
     assert lines[-1].startswith("open sky: expected ΔE 0")
     assert stored(scene.world).shadows == OPEN and not scene_bake.baked()
     assert not out_of_date.look_at_bakes(scene)
+    # Where nothing has changed nothing is written, which Blender would tell of as a change.
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(light, "write", None)
+        assert run(use_cases.following(scene, stored(scene.world))) == lines[-1:]
     # It is judged anew when something is built around it.
     box(scene, "court", paint, (-3, -3, -0.01), (3, 3, 5), inwards=True)
     lines = run(use_cases.all_light(scene, stored(scene.world)))

@@ -32,6 +32,9 @@ from .world import developing
 
 _chosen: list[LeastLight] = []
 
+_open: list[bytes] = []
+"""`SceneLight.key` of the light that the open sky shows, where that was found to be enough."""
+
 
 def making_spectral_with_all_light(
     scene: bpy.types.Scene, given: Assignments, settings: Settings
@@ -90,7 +93,7 @@ def following(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress,
         return (yield from _of_day(scene, settings))
     lines: list[str] = []
     shining = yield from shining_on(scene, settings)
-    if not session.is_lit_by(shining):
+    if not (session.is_lit_by(shining) or _key(scene, shining) in _open):
         lines = yield from _showing(scene, settings)
         shining = yield from shining_on(scene, settings)
     return lines + (yield from _lighting(scene, settings, shining))
@@ -122,6 +125,7 @@ def _lighting(
     lines: list[str] = []
     least = None
     _chosen.clear()
+    _open.clear()
     if settings.is_choosing:
         least = yield from _choosing(scene, settings)
         enough = OPEN if least is not None and least.light == OPEN else None
@@ -132,6 +136,7 @@ def _lighting(
         if least is not None and enough == OPEN:
             scene_bake.remove()
             session.forget()
+            _open[:] = [_key(scene, shining)]
             return [*lines, least.line]
     old = yield from scene_bake.finding_stale()
     if not any(map(scene_bake.is_waiting, old)):
@@ -141,6 +146,10 @@ def _lighting(
             old = scene_bake.targets()
     options = {"changed_only": False, "error": settings.tolerance, "least": least}
     return lines + (yield from _baking(scene, shining, old, **options))
+
+
+def _key(scene: bpy.types.Scene, shining: SceneLight) -> bytes:
+    return shining.key([material.name_full for material in in_scene(scene)])
 
 
 def _choosing(
