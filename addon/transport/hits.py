@@ -57,6 +57,7 @@ class Space:
     def __init__(self, cells: Cells, matter: Matter, slow: bool = False) -> None:
         self.cells, self.matter = cells, matter
         self.caster = Caster(cells.corners, slow)
+        self.caster.build()
         n = cells.patches
         self.sky, self.lost, self.dark = 2 * n, 2 * n + directions.SKY, 2 * n + directions.SKY + 1
         self.rows = self.dark + 1

@@ -24,7 +24,11 @@ class Caster:
     def __init__(self, corners: NDArray[np.float32], slow: bool = False) -> None:
         self.corners = np.ascontiguousarray(corners, np.float32)
         self.embree = fast() and not slow
-        if len(self.corners):  # built now, where whoever makes it chooses to: Blender may not wait
+
+    def build(self) -> None:
+        """Make now what the first ray would make, which holds Python's lock: beside a window's
+        events."""
+        if len(self.corners):
             _ = self._scene if self.embree else self._tree
 
     def first_hits(
