@@ -16,6 +16,7 @@ from spectral_skylight.addon.scene.use_cases import light
 from spectral_skylight.addon.scene.world.settings import Settings, stored
 from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.tests import faces
+from spectral_skylight.tests.lanes import newest
 
 NOISE = {16: 3.2, 64: 1.6, 256: 0.8, 1024: 0.4}
 
@@ -61,6 +62,7 @@ def box(scene, name, material, low, high, inwards=False):
     scene.collection.objects.link(bpy.data.objects.new(name, mesh))
 
 
+@newest  # what it decides by is numpy alone
 @pytest.mark.blender
 def test_a_box_in_the_open_needs_no_bake_and_a_court_needs_every_bounce(tmp_path):
     scene = faces.empty_scene()
