@@ -11,12 +11,11 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pictures
+from house import opened
 
-import spectral_skylight
 from spectral_skylight.addon.pictures.canvas import Canvas
 from spectral_skylight.addon.pictures.png_file import write_png
 from spectral_skylight.addon.pictures.theme import LIGHT
-from spectral_skylight.addon.scene import example_house
 from spectral_skylight.addon.scene.day import day_world
 from spectral_skylight.addon.scene.output import render
 
@@ -36,11 +35,7 @@ def main() -> None:
     options = parser.parse_args()
     out = options.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    spectral_skylight.register()
-    bpy.ops.skylight.open_example()
-    scene = bpy.data.scenes[example_house.NAME]
-    bpy.context.window.scene = scene  # as the button does in a window of its own
+    scene = opened(options.width, SAMPLES)
     scene.world.skylight.occlusion = "open"  # the day bakes its own light
     bpy.ops.skylight.make_spectral()
     scene.world.skylight.occlusion = "auto"
@@ -53,9 +48,6 @@ def main() -> None:
     print(day_world.kept_of(scene.world)["line"])
     bpy.ops.wm.save_as_mainfile(filepath=str(out / "house.blend"), copy=True)
     print(f"a frame is set in {1000 * _pace(scene):.1f} ms")
-    width, height = options.width, options.width * 2 // 3
-    scene.render.resolution_x, scene.render.resolution_y = width, height
-    scene.eevee.taa_render_samples = SAMPLES
     for hour in HOURS:
         scene.frame_set(scene.frame_start + 6 * hour)
         render.render(scene, out / f"{hour:02}.exr", engine="eevee")

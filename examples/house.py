@@ -31,13 +31,7 @@ def main() -> None:
     options = parser.parse_args()
     out = options.out.resolve()
     out.mkdir(parents=True, exist_ok=True)
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    spectral_skylight.register()
-    bpy.ops.skylight.open_example()
-    scene = bpy.data.scenes[example_house.NAME]
-    bpy.context.window.scene = scene  # as the button does in a window of its own
-    scene.render.resolution_x, scene.render.resolution_y = options.width, options.width * 2 // 3
-    scene.eevee.taa_render_samples = options.samples
+    scene = opened(options.width, options.samples)
     images = {}
     for name in TITLES:
         if name == "spectral":
@@ -46,6 +40,18 @@ def main() -> None:
     brightest = images["spectral"].max(axis=2)
     exposure = float(np.log2(0.9 / np.percentile(brightest[np.isfinite(brightest)], 98)))
     pictures.save_comparison(out / "house.png", images, {}, exposure, [], TITLES)
+
+
+def opened(width: int, samples: int) -> bpy.types.Scene:
+    """Open the example house as the panel's button does, for pictures so wide; return its scene."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    spectral_skylight.register()
+    bpy.ops.skylight.open_example()
+    scene = bpy.data.scenes[example_house.NAME]
+    bpy.context.window.scene = scene  # as the button does in a window of its own
+    scene.render.resolution_x, scene.render.resolution_y = width, width * 2 // 3
+    scene.eevee.taa_render_samples = samples
+    return scene
 
 
 def _picture(scene: bpy.types.Scene, path: Path) -> np.ndarray:

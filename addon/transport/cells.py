@@ -183,6 +183,16 @@ class Cells:
         own = np.bincount(self.patch, np.maximum(self.areas, 1e-30), self.patches)
         return order, total, np.cumsum(own) - own, own
 
+    def along(
+        self, cell: NDArray, at: NDArray, ways: NDArray
+    ) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+        """Return the cosines (n,) of rays (n, 3) from places (n, 3) with the normals of cells (n,),
+        and how far along the rays the planes of the cells are (n,)."""
+        normals = self.normals[cell]
+        slope = np.einsum("nk,nk->n", ways, normals)
+        to = np.einsum("nk,nk->n", self.corners[cell, 0] - at, normals)
+        return slope, to / np.where(slope == 0.0, 1e-9, slope)
+
     def curvature(self, values: NDArray) -> NDArray[np.float64]:
         """Return for each triangle (t,) by how much at most the middle one of four cells differs
         from what the three around it tell, in units of ``values`` (patches,); 0 where not cut."""

@@ -108,11 +108,9 @@ class Space:
         origins, ways = starts.reshape(-1, 3), normals.reshape(-1, 3)
         met = self.caster.first_hits(origins, ways)
         found = np.flatnonzero(met >= 0)
-        hit, way = met[found], ways[found]
-        normal = self.cells.normals[hit]
-        slope = np.einsum("nk,nk->n", way, normal)
-        to = np.einsum("nk,nk->n", self.cells.corners[hit, 0] - origins[found], normal)
-        near = to / np.where(slope == 0.0, 1e-9, slope) < np.ravel(reach)[found]
+        hit = met[found]
+        slope, far = self.cells.along(hit, origins[found], ways[found])
+        near = far < np.ravel(reach)[found]
         under, inside = np.zeros((2, len(met)), bool)
         under[found] = near & (np.abs(slope) > ALONG) & ~self._porous[self.cells.kind[hit]]
         inside[found] = self.cells.solid[hit] & (slope > 0.0)
@@ -221,10 +219,7 @@ class Space:
         """What some rays have met, -1 where that lies farther than their reach."""
         if reach is None or not len(self.cells.corners):
             return met
-        normal = self.cells.normals[met]
-        to = np.einsum("nk,nk->n", self.cells.corners[met, 0] - origins[rays], normal)
-        slope = np.einsum("nk,nk->n", ways[rays], normal)
-        far = to / np.where(slope == 0.0, 1e-9, slope)
+        _, far = self.cells.along(met, origins[rays], ways[rays])
         return np.where((met >= 0) & (far < reach[rays]), met, -1).astype(np.int32)
 
     def _filter(self, passed, rays, kinds, cosines, mirrors) -> NDArray[np.bool_]:

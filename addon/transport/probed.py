@@ -91,9 +91,7 @@ def seen_along(space: Space, eye: NDArray, ways: NDArray[np.float32]) -> Places:
     met = space.caster.first_hits(starts, ways)
     found = np.flatnonzero(met >= 0)
     cell, ways = met[found], ways[found]
-    slope = np.einsum("nk,nk->n", ways, cells.normals[cell])
-    to = np.einsum("nk,nk->n", cells.corners[cell, 0] - starts[found], cells.normals[cell])
-    far = to / np.where(slope == 0.0, 1e-9, slope)
+    slope, far = cells.along(cell, starts[found], ways)
     normals = np.where(slope[:, None] > 0.0, -cells.normals[cell], cells.normals[cell])
     at = starts[found] + far[:, None].astype(np.float32) * ways
     at = at + space.lift(at) * normals

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from spectral_skylight.addon import progress
-from spectral_skylight.addon.scene.bake import scene_bake, storage
+from spectral_skylight.addon.scene.bake import fine_mesh, scene_bake
 from spectral_skylight.addon.scene.bake.light import Light
 from spectral_skylight.addon.transport import directions
 from spectral_skylight.node_groups import baked_light
@@ -94,7 +94,7 @@ def received_light(objects, keep=lambda place, normal: True, count=100):
     places, normals, total = [], [], []
     for obj in objects:
         mesh = obj.evaluated_get(depsgraph).data
-        fine = storage.read(mesh)
+        fine = fine_mesh.read(mesh)
         read = colours(mesh, baked_light.LIGHT)
         assert np.all(read[:, 3] == baked_light.FLAG)
         found = 0

@@ -6,7 +6,7 @@ import pytest
 
 from spectral_skylight.addon import progress
 from spectral_skylight.addon.scene import use_cases
-from spectral_skylight.addon.scene.bake import instance_proxies, scene_bake, storage
+from spectral_skylight.addon.scene.bake import fine_mesh, instance_proxies, scene_bake
 from spectral_skylight.addon.scene.output import render as renders
 from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.sky.panorama import write_panorama
@@ -266,7 +266,7 @@ def test_the_foot_of_a_wall_casts_no_shadow_inside_out():
     box("House", (0.13, 0.07, 1), (4, 4, 2), made_of)
     progress.run(scene_bake.bake([floor], rays=256))
     mesh = floor.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    fine = storage.read(mesh)
+    fine = fine_mesh.read(mesh)
     share = colours(mesh, baked_light.LIGHT)[:, 0]
     middles = fine.mean(fine.places[fine.point])
     beside = (np.abs(middles[:, 1]) < 1.5) & (middles[:, 0] > 2.2) & (middles[:, 0] < 2.6)

@@ -72,3 +72,16 @@ def radiosity(corners, of, kinds=0, solid=True, cells=2000, rays=256, slow=False
 def solved(found, sky=DARK, lamps=()):
     table, _, _ = found.solve(sky, run(found.lit_by(list(lamps))))
     return table
+
+
+def fronts(found):
+    """Of each patch: its first triangle's kind, the middle of a cell, its normal and its area."""
+    cells = found.space.cells
+    areas = np.bincount(cells.patch, cells.areas)
+    first = cells.first
+    return cells.kind[first], cells.corners[first].mean(axis=1), cells.normals[first], areas
+
+
+def light(found):
+    """The irradiance / pi of fronts."""
+    return found.E[: found.space.cells.patches, 0]

@@ -45,6 +45,5 @@ def write(values: Values) -> None:
         assert bake is not None  # else it is no target
         for name, each in attributes.items():
             storage.write_attribute(bake, name, each)
-        bake.data.update()
-        bake.update_tag()
+        storage.tell(bake)
         obj.update_tag()

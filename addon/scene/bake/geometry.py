@@ -16,12 +16,7 @@ from numpy.typing import NDArray
 from ...progress import Progress, aside, is_between_events
 from ...transport import extent
 from ...transport.cells import Surfaces
-from ...transport.rays import Caster
-from ...transport.row_keys import row_keys
-
-STEP = 1e-5
-"""Of an object's size: corners nearer than this to one another are one."""
-
+from .shells import Shell, close, closed_parts
 
 READING = 0.15
 """[s] of reading between two events: until then a window waits."""
@@ -85,17 +80,6 @@ class _Shape:
     slots: NDArray
     names: list[str]
     polygons: NDArray
-
-
-@dataclass
-class _Shell:
-    """An open part of a mesh: its triangles (n,), the ``middle`` of its rim, the way ``out`` of it
-    there (3,), and how far it reaches the other way."""
-
-    triangles: NDArray[np.bool_]
-    middle: NDArray[np.float64]
-    out: NDArray[np.float64]
-    depth: float
 
 
 @dataclass
@@ -183,10 +167,10 @@ def assembled(read: Read) -> Geometry:
     if not placed:
         none, no = np.empty((0, 3, 3)), np.empty(0, bool)
         return Geometry(none, np.zeros(3), empty, [], empty, empty, materials, empty, no, 0.0)
-    solids: dict[bytes, tuple[NDArray[np.bool_], list[_Shell]]] = {}
-    known: dict[int, tuple[NDArray[np.bool_], list[_Shell]]] = {}
+    solids: dict[bytes, tuple[NDArray[np.bool_], list[Shell]]] = {}
+    known: dict[int, tuple[NDArray[np.bool_], list[Shell]]] = {}
     columns: list[list[NDArray]] = [[] for _ in range(6)]
-    shells: list[tuple[NDArray, _Shell, NDArray]] = []
+    shells: list[tuple[NDArray, Shell, NDArray]] = []
     total = 0
     for one in placed:
         shape, to_world = one.shape, one.to_world
@@ -194,7 +178,7 @@ def assembled(read: Read) -> Geometry:
             # Linked duplicates, and what stands in for instances, have the same triangles.
             content = shape.triangles.tobytes()
             if content not in solids:
-                solids[content] = _solid(shape.triangles)
+                solids[content] = closed_parts(shape.triangles)
             known[id(shape)] = solids[content]
         inside, open_parts = known[id(shape)]
         corners = shape.triangles @ to_world[:3, :3].T + to_world[:3, 3]
@@ -221,7 +205,7 @@ def assembled(read: Read) -> Geometry:
     places, owner, instances, material, polygon, solid = (column[0] for column in columns)
     origin = extent.middle(places)
     places -= origin
-    _close(solid, shells, places, origin)
+    close(solid, shells, places, origin)
     size = extent.scale(places)
     places, part = extent.graded(places, size)
     if len(part) > len(owner):
@@ -243,30 +227,6 @@ def _in_order(read: Read) -> tuple[list[_Placed], list[str], list[str]]:
     placed = [replace(one, owner=ranks[one.owner], kinds=kinds[one.kinds]) for one in read.placed]
     placed.sort(key=lambda one: one.owner)  # an owner's instances stay as they follow each other
     return [replace(one, number=k) for k, one in enumerate(placed)], owners, materials
-
-
-def _close(solid, shells, corners, origin) -> None:
-    """Count shells (their triangles, themselves, matrices) whose rim stands on something as solid:
-    nothing looks into them."""
-    if not shells:
-        return
-    starts, ways, depths = [], [], []
-    for _, shell, to_world in shells:
-        out = to_world[:3, :3] @ shell.out
-        depth = shell.depth * np.linalg.norm(out)
-        ways.append(out / np.linalg.norm(out))
-        middle = to_world[:3, :3] @ shell.middle + to_world[:3, 3] - origin
-        starts.append(middle - 0.5 * depth * ways[-1])
-        depths.append(depth)
-    starts, ways = np.array(starts, np.float32), np.array(ways, np.float32)
-    met = Caster(corners).first_hits(starts, ways)
-    for k, (triangles, _, _) in enumerate(shells):
-        if met[k] < 0:
-            continue
-        a, b, c = corners[met[k]]
-        normal = np.cross(b - a, c - a)
-        far = ((a - starts[k]) @ normal) / ((ways[k] @ normal) or 1.0)
-        solid[triangles] |= far < 0.55 * depths[k]
 
 
 def triangles_of(shown: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray, list[str]]:
@@ -300,52 +260,3 @@ def _read(shown: bpy.types.Object) -> tuple[NDArray[np.float64], NDArray, list[s
     there = np.isfinite(triangles).all(axis=(1, 2))  # broken modifiers and imports leave NaN
     slots = np.minimum(slots, len(names) - 1)
     return triangles[there], slots[there], names, polygons[there]
-
-
-def _solid(triangles: NDArray[np.float64]) -> tuple[NDArray[np.bool_], list[_Shell]]:
-    """Which triangles (n,) are of a closed part whose fronts look outwards, and open shells.
-
-    A part is what hangs together by corners; it is closed where each of its edges is two faces'.
-    A shell lacks one flat face to be closed, as a house that is modelled without its floor.
-    """
-    if not len(triangles):
-        return np.empty(0, bool), []
-    size = float(np.ptp(triangles.reshape(-1, 3), axis=0).max()) or 1.0
-    where = np.round(triangles.reshape(-1, 3) / (STEP * size)).astype(np.int64)
-    corner = np.unique(row_keys(where), return_inverse=True)[1].reshape(-1, 3)
-    part = parts_of(corner)
-    count = int(part.max()) + 1
-    edges = np.sort(np.stack([corner, np.roll(corner, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)
-    wide = edges[:, 0] * (int(corner.max()) + 1) + edges[:, 1]
-    _, index, times = np.unique(wide, return_inverse=True, return_counts=True)
-    single = (times[index.reshape(-1)] % 2 == 1) & (edges[:, 0] != edges[:, 1])
-    of_edge, start = np.repeat(part, 3), triangles.reshape(-1, 3)
-    border = np.bincount(of_edge, single, count)
-    middle = [np.bincount(of_edge, single * column, count) for column in start.T]
-    middle = np.stack(middle, axis=1) / np.maximum(border, 1.0)[:, None]
-    volume = np.bincount(part, np.linalg.det(triangles - middle[part][:, None]), count) / 6.0
-    shells = []
-    for each in np.flatnonzero((border > 2) & (volume > 1e-9 * size**3)):
-        rim = start[single & (of_edge == each)] - middle[each]
-        _, spread, axes = np.linalg.svd(rim, full_matrices=False)
-        if spread[2] < 1e-3 * spread[0]:
-            own = triangles[part == each].reshape(-1, 3) - middle[each]
-            along = own @ axes[2]
-            out = -axes[2] if along.mean() > 0.0 else axes[2]
-            if (own @ out).max() < 1e-3 * size:
-                shells.append(_Shell(part == each, middle[each], out, float(np.abs(along).max())))
-    return ((border == 0) & (volume > 0.0))[part], shells
-
-
-def parts_of(corner: NDArray) -> NDArray[np.int64]:
-    """The number of the part that each triangle (n, 3) of corners belongs to, (n,): what hangs
-    together by corners."""
-    label = np.arange(int(corner.max()) + 1)
-    while True:
-        least = label[corner].min(axis=1)
-        new = label.copy()
-        np.minimum.at(new, corner.reshape(-1), np.repeat(least, 3))
-        new = new[new]  # by leaps, for long parts
-        if np.array_equal(new, label):
-            return np.unique(least, return_inverse=True)[1].reshape(-1)
-        label = new

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from ...progress import Progress, aside, mapped
 from ...transport.hits import Space
-from .geometry import parts_of
+from .fine_mesh import Fine
 from .receivers import Points
-from .storage import Fine
+from .shells import parts_of
 
 AT = Progress(1.0, "geometry")
 

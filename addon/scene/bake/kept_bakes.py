@@ -48,8 +48,7 @@ class KeptBakes:
             if shelf.is_there(bake):
                 for name, values in attributes.items():
                     storage.write_attribute(bake, name, values)
-                bake.data.update()
-                bake.update_tag()
+                storage.tell(bake)
         self.let_go()
         storage.discard(gone)
 

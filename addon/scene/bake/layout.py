@@ -15,10 +15,10 @@ from ...progress import mapped
 from ...transport.cells import FINEST, Surfaces
 from ...transport.hits import Space
 from ...transport.radiosity import Radiosity
-from . import hidden_corners, storage
+from . import fine_mesh, hidden_corners, storage
+from .fine_mesh import Fine
 from .geometry import Geometry
 from .receivers import Points, Target
-from .storage import Fine
 
 MOST = 10_000_000
 """Vertices beyond which an object is not baked."""
@@ -130,12 +130,12 @@ def refine(
         plan.levels = own
 
 
-def divide(plans: Sequence[Plan]) -> list[storage.Raw | None]:
+def divide(plans: Sequence[Plan]) -> list[fine_mesh.Raw | None]:
     """Divide objects as planned, and return what their faces are then; None as they were before."""
     divided = [plan for plan in plans if plan.levels.any()]
     for plan in divided:
         storage.write_levels(plan.bake, plan.levels, plan.split & (plan.levels > 0))
-    found = dict(zip(map(id, divided), storage.evaluated([p.obj for p in divided]), strict=True))
+    found = dict(zip(map(id, divided), fine_mesh.evaluated([p.obj for p in divided]), strict=True))
     return [found.get(id(plan)) for plan in plans]
 
 

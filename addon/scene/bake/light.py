@@ -33,6 +33,10 @@ class Light:
         """Radiance of the sphere's cells in bands, (SKY, 16)."""
         return np.repeat(_upper()[:, None], COUNT, axis=1).astype(np.float32)
 
+    def lamps_from(self, origin: NDArray[np.float64]) -> list[Direct]:
+        """The lamps with places relative to an origin (3,)."""
+        return [lamp.seen_from(origin) for lamp in self.lamps]
+
     def matter(self, names: Sequence[str]) -> Matter:
         """What the materials of these full names do."""
         found, _ = matter.matter(names, _EVEN, self._transfer)

@@ -73,9 +73,7 @@ def casting_finely(
     for done in coarse.cast(sent(coarse, 0), alike=True):
         yield Progress(0.1 * done, BETWEEN)
     at = Progress(0.1, BETWEEN)
-    lamps = [lamp.seen_from(around.origin) for lamp in light.lamps]
-    direct = yield from mapped(coarse.lit_by(lamps), lambda _: at)
-    yield from aside(at, coarse.solve, light.sky, direct)
+    yield from going_round(coarse, light, around.origin, at)
     finer = layout.finer(parts, of_parts, layout.bends(coarse), tolerance, PATCHES[1])
     parts, finer = yield from aside(at, feet.cut, coarse.space, parts, finer)
     cells = yield from aside(at, Cells.of, parts, finer, layout.SMALL * around.size)
@@ -83,3 +81,20 @@ def casting_finely(
     for done in radiosity.cast(sent(radiosity, 1)):
         yield Progress(0.1 + 0.3 * done, BETWEEN)
     return radiosity
+
+
+def going_round(
+    radiosity: Radiosity,
+    light: Light,
+    origin: NDArray[np.float64],
+    at: Progress,
+    leaks: bool = True,
+) -> Generator[Progress, None, tuple[NDArray, NDArray, NDArray]]:
+    """Let a light go round between patches whose places are relative to an origin (3,).
+
+    Returns what lamps send straight to their sides (r, 16), and as `Radiosity.solve` does the table
+    and which of its rows tell anything; ``leaks`` as there.
+    """
+    direct = yield from mapped(radiosity.lit_by(light.lamps_from(origin)), lambda _: at)
+    table, tells, _ = yield from aside(at, radiosity.solve, light.sky, direct, leaks)
+    return direct, table, tells

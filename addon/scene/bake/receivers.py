@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...transport.hits import Space
-from .storage import Fine
+from .fine_mesh import Fine
 
 COVER = 0.1
 """What lies so near over a point, of its cells' size, hides it: a rug, or a door on a wall."""

@@ -20,7 +20,7 @@ from ...transport import feet, left_out
 from ...transport.cells import Cells
 from ...transport.hits import Space
 from ...transport.radiosity import Radiosity
-from . import camera_share, geometry, layout, passes, patches, storage, surroundings
+from . import camera_share, fine_mesh, geometry, layout, passes, patches, storage, surroundings
 from . import colours as coloured
 from .collected import Collected, Shading
 from .how import How
@@ -73,11 +73,11 @@ def baking(
     shelf = Shelf(objects)
     laid_out: set[str] | None = None
     try:
-        raw = storage.evaluated(objects)
+        raw = fine_mesh.evaluated(objects)
         read = yield from geometry.reading()
         shelf.show_old()
         at_first = Progress(0.0, "geometry")
-        fines = yield from aside(at_first, storage.brought, raw)
+        fines = yield from aside(at_first, fine_mesh.brought, raw)
         lines, plans = layout.begin(list(zip(objects, shelf.bakes, strict=True)), fines)
         if not plans:
             laid_out = set()
@@ -103,14 +103,14 @@ def baking(
         raw = layout.divide(plans)
         own = set(objects)
         others = [obj for obj in bpy.data.objects if obj not in own and storage.is_lit(obj)]
-        kept = storage.evaluated(others)
+        kept = fine_mesh.evaluated(others)
         shelf.show_old()
-        fines = yield from aside(at, storage.brought, raw)
+        fines = yield from aside(at, fine_mesh.brought, raw)
         targets = yield from mapped(
             layout.lay_out(plans, fines, around, space),
             lambda done: Progress(0.15 + 0.04 * done, "geometry"),
         )
-        others_fine = yield from aside(at, storage.brought, kept)
+        others_fine = yield from aside(at, fine_mesh.brought, kept)
         shelf.show_new()
         layout.show(plans, targets)
         shelf.show_old()
@@ -250,7 +250,7 @@ def _cast_anew(
     around = yield from geometry.gathering()
     radiosity = yield from patches.casting(around, light)
     at = Progress(0.3, patches.BETWEEN)
-    fines = yield from aside(at, storage.brought, storage.evaluated(objects))
+    fines = yield from aside(at, fine_mesh.brought, fine_mesh.evaluated(objects))
     receivers = Receivers(_kept_targets(objects, fines, around), around.materials)
     for _ in receivers.look(radiosity.space):
         yield at
@@ -284,9 +284,7 @@ def going_round(session: Session, light: Light, at: Progress) -> Generator[Progr
     radiosity = session.radiosity
     matter = light.matter(session.materials)
     radiosity.take(matter)
-    lamps = [lamp.seen_from(session.origin) for lamp in light.lamps]
-    direct = yield from mapped(radiosity.lit_by(lamps), lambda _: at)
-    table, tells, _ = yield from aside(at, radiosity.solve, light.sky, direct)
+    _, table, tells = yield from patches.going_round(radiosity, light, session.origin, at)
     return (yield from aside(at, Shading.of, light, session.materials, table, tells))
 
 
@@ -329,7 +327,7 @@ def is_lit_by(light: Light) -> bool:
 
 def _kept_targets(
     objects: Sequence[bpy.types.Object],
-    fines: Sequence[storage.Fine | None],
+    fines: Sequence[fine_mesh.Fine | None],
     around: geometry.Geometry,
 ) -> list[Target]:
     """Objects as they were laid out before; ``fines``: as they are now."""

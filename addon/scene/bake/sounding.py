@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from ...progress import Progress, aside, mapped
 from ...transport.cells import Cells
 from ...transport.hits import Space
-from ...transport.lamps import Direct
 from ...transport.probed import PLACES, Places, Sent, probing, seen_along, spread
 from ...transport.radiosity import Radiosity
 from . import camera_share, geometry, layout, patches
@@ -60,18 +59,18 @@ def sounding(
     """
     around = yield from geometry.gathering()
     matter, small = light.matter(around.materials), layout.SMALL * around.size
-    lamps = [lamp.seen_from(around.origin) for lamp in light.lamps]
     _, parts, of_parts, _, cells = yield from aside(AT, patches.first_cells, around, PATCHES[0])
     space = yield from aside(AT, Space, cells, matter)
-    coarse, rough = yield from _going_round(space, light, lamps, True)
+    coarse, rough = yield from _going_round(space, light, around.origin, True)
     bends = yield from aside(AT, layout.bends, coarse)
     finer = yield from aside(AT, layout.finer, parts, of_parts, bends, BEND, PATCHES[1])
     cells = yield from aside(AT, Cells.of, parts, finer, small)
     space = yield from aside(AT, Space, cells, matter)
-    _, sent = yield from _going_round(space, light, lamps, False)
+    _, sent = yield from _going_round(space, light, around.origin, False)
     known = np.array([models.get(name, np.nan) for name in around.materials])
     eye = camera_share.Eye.of(bpy.context.scene, around.origin)
     places = yield from aside(AT, _places, sent.space, eye, np.isfinite(known))
+    lamps = light.lamps_from(around.origin)
     probe = probing(sent, rough, places, lamps, light.to_XYZ)
     probed = yield from mapped(probe, lambda _: AT)
     if probed is None:
@@ -86,14 +85,13 @@ def sounding(
 
 
 def _going_round(
-    space: Space, light: SceneLight, lamps: list[Direct], alike: bool
+    space: Space, light: SceneLight, origin: NDArray[np.float64], alike: bool
 ) -> Generator[Progress, None, tuple[Radiosity, Sent]]:
     """Let light go round in a space, ``alike`` as between the first patches of a bake."""
     radiosity = Radiosity(space)
     for _ in radiosity.cast(RAYS, alike):
         yield AT
-    direct = yield from mapped(radiosity.lit_by(lamps), lambda _: AT)
-    table, tells, _ = yield from aside(AT, radiosity.solve, light.sky, direct)
+    _, table, tells = yield from patches.going_round(radiosity, light, origin, AT)
     return radiosity, Sent(space, table, tells)
 
 

@@ -180,8 +180,8 @@ class _Moments:
         elevation = max(float(self.course.elevation.at(place)[0]), lowest)
         moment = yield from self.at(elevation)
         node = self.world.node_tree.nodes[hdri.sky_of(self.world).mapping]
-        turn = self.course.azimuth.at(place)[0] + self.day.place.north - 90.0
-        node.inputs["Rotation"].default_value[2] = np.radians(turn)
+        turn = day_world.turned(self.course.azimuth.at(place), self.day.place.north)
+        node.inputs["Rotation"].default_value[2] = turn[0]
         try:
             return (yield from shining_of(self.world, moment.plan.lights, self.scene))
         finally:

@@ -58,8 +58,7 @@ def install(
     tree.links.new(node.outputs[0], background.inputs["Color"])
     elevation, azimuth = course.elevation, course.azimuth
     key(world, values.ELEVATION, -1, elevation, frames)
-    # The sun's azimuth goes clockwise from +Y; directions are turned to the sun's over +X.
-    turn = Curve(azimuth.x, np.radians(azimuth.y + north - 90.0), np.radians(azimuth.slope))
+    turn = Curve(azimuth.x, turned(azimuth.y, north), np.radians(azimuth.slope))
     key(tree, mapping.inputs["Rotation"].path_from_id("default_value"), 2, turn, frames)
 
     def follow(owner: Any, path: str, axis: int, rows: Sequence[float] | NDArray) -> None:
@@ -86,6 +85,12 @@ def install(
     for scene in lighting.scenes_of(world):
         if (lamp := sun_lamp.find(scene, sun_lamp.SUN)) is not None:
             _raise(lamp, world)
+
+
+def turned(azimuth: NDArray, north: float) -> NDArray:
+    """How far [rad] a World is turned for the sun's azimuths [degrees, clockwise from +Y of a scene
+    whose north is 0], where directions stand as for a sun over +X."""
+    return np.radians(azimuth + north - 90.0)
 
 
 def key(owner: bpy.types.ID, path: str, axis: int, curve: Curve, frames: NDArray) -> None:

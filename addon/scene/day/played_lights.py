@@ -60,7 +60,8 @@ def install(world: bpy.types.World, found: KeyLights, frames: NDArray) -> None:
             for k, (_, own) in enumerate(each):
                 storage.write_attribute(bake, sky_bake.at_key(attribute, k), own[attribute])
         modifier.node_group = tree
-        _tell(obj, bake)
+        storage.tell(bake)
+        obj.update_tag()
 
 
 def stop(world: bpy.types.World, key: int, level: float) -> None:
@@ -79,7 +80,8 @@ def stop(world: bpy.types.World, key: int, level: float) -> None:
                 continue
             for attribute in LIGHTS:
                 _stand_still(bake, attribute, key, level)
-            _tell(obj, bake)
+            storage.tell(bake)
+            obj.update_tag()
         bpy.data.node_groups.remove(tree)
 
 
@@ -107,10 +109,3 @@ def _follows(tree: bpy.types.NodeTree, world: bpy.types.World) -> bool:
     data = tree.animation_data
     curves = data.drivers if data is not None and sky_bake.is_day(tree) else ()
     return any(t.id == world for c in curves for v in c.driver.variables for t in v.targets)
-
-
-def _tell(obj: bpy.types.Object, bake: bpy.types.Object) -> None:
-    """Tell Blender that a bake has changed."""
-    bake.data.update()
-    bake.update_tag()
-    obj.update_tag()

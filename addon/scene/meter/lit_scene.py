@@ -7,13 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
-from functools import partial
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...progress import Progress, aside, mapped
+from ...progress import Progress
 from ...transport import rays
 from ...transport.meter import Field
 from ...transport.radiosity import Radiosity
@@ -75,13 +74,12 @@ class LitScene:
         """
         radiosity = self.radiosity
         radiosity.take(light.matter(self.materials))
-        lamps = [lamp.seen_from(self.origin) for lamp in light.lamps]
         at = Progress(0.5, patches.BETWEEN)
-        direct = yield from mapped(radiosity.lit_by(lamps), lambda _: at)
-        solve = partial(radiosity.solve, leaks=leaks)
-        table, tells, _ = yield from aside(at, solve, light.sky, direct)
+        going = patches.going_round(radiosity, light, self.origin, at, leaks)
+        direct, table, tells = yield from going
         channels = light.channels.astype(np.float32)
         around = np.where(tells[radiosity.row][:, None] > 0.0, radiosity.E - direct, np.nan)
+        lamps = light.lamps_from(self.origin)
         return Field(radiosity.space, table, tells, channels, lamps), around
 
 

@@ -260,8 +260,8 @@ def seen(
         going = going[space.matter.clear[cells.kind[met[going]]]]
         if not len(going):
             break
-        far = _far(cells, met[going], at[going], ways[going])[:, None]
-        at[going] += (far + 4.0 * space.lift(at[going])) * ways[going]
+        _, far = cells.along(met[going], at[going], ways[going])
+        at[going] += (far[:, None] + 4.0 * space.lift(at[going])) * ways[going]
         met[going] = space.caster.first_hits(np.ascontiguousarray(at[going]), ways[going])
         going = going[met[going] >= 0]
     amounts = np.full((len(ways), len(QUANTITIES)), np.nan, np.float32)
@@ -269,8 +269,9 @@ def seen(
     hit = np.flatnonzero(met >= 0)
     if len(hit):
         cell, way = met[hit], ways[hit]
-        place = at[hit] + _far(cells, cell, at[hit], way)[:, None] * way
-        back = np.einsum("nk,nk->n", way, cells.normals[cell]) > 0.0
+        slope, far = cells.along(cell, at[hit], way)
+        place = at[hit] + far[:, None] * way
+        back = slope > 0.0
         weight = _barycentric(cells.corners[cell], place)
         between = light.around[cell, back.astype(int)]
         normals = np.where(back, np.float32(-1.0), np.float32(1.0))[:, None] * cells.normals[cell]
@@ -279,14 +280,6 @@ def seen(
         )
         distance[hit] = np.linalg.norm(place + light.origin - origins[hit], axis=1)
     return amounts, distance
-
-
-def _far(cells, cell, at, way):
-    """How far along rays (n, 3), (n, 3) the planes of cells are."""
-    normal = cells.normals[cell]
-    slope = np.einsum("nk,nk->n", way, normal)
-    to = np.einsum("nk,nk->n", cells.corners[cell, 0] - at, normal)
-    return to / np.where(np.abs(slope) < 1e-9, 1e-9, slope)
 
 
 def _barycentric(corners: NDArray, places: NDArray) -> NDArray[np.float32]:
