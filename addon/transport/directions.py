@@ -123,3 +123,15 @@ def open_light(sky: NDArray, normals: NDArray) -> NDArray[np.float64]:
         cosines = normals[k : k + 128].astype(np.float32) @ across
         result[k : k + 128] = np.maximum(cosines, 0.0, out=cosines) @ light
     return result
+
+
+def ratios(channels: NDArray, whole: NDArray, normals: NDArray, pattern: NDArray) -> NDArray:
+    """By what the light (n, k) that a pattern's rays bring is multiplied, so that what nothing
+    hides is without error.
+
+    ``channels`` (SKY, k): the sphere's; ``whole`` (n, k): `open_light` of them on these normals
+    (n, 3). From a half to twice; 1 where the rays find nothing.
+    """
+    told = channels[cells(about(normals, pattern))].mean(axis=1)
+    more = np.clip(whole / np.where(told > 0.0, told, 1.0), 0.5, 2.0)
+    return np.where(told > 0.0, more, 1.0)

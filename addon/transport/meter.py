@@ -101,12 +101,11 @@ class Field:
             np.round(normals * 1000.0), axis=0, return_index=True, return_inverse=True
         )
         whole = directions.open_light(self.channels, normals[first])
-        told = np.empty_like(whole)
-        for k, normal in enumerate(normals[first]):
-            ways = directions.about(normal[None], pattern)[0]
-            told[k] = self.channels[directions.cells(ways)].mean(axis=0)
-        more = np.clip(whole / np.where(told > 0.0, told, 1.0), 0.5, 2.0)
-        return np.where(told > 0.0, more, 1.0)[each.reshape(-1)]
+        more = np.empty_like(whole)
+        for k in range(len(whole)):  # one by one, for a meter casts many rays
+            one = slice(k, k + 1)
+            more[one] = directions.ratios(self.channels, whole[one], normals[first][one], pattern)
+        return more[each.reshape(-1)]
 
     def _direct(self, starts, normals) -> NDArray[np.float64]:
         """Irradiance / π (n, 16) of lamps, in shadow or not."""

@@ -138,10 +138,7 @@ class Sent:
             surfaces[: len(first)] = space.matter.emission[space.cells.kind[first]]
         surfaces = np.concatenate([surfaces, self.tells[:, None]], axis=1)
         pattern = directions.pattern(rays)
-        # As `Collected` has it: what nothing hides is without error.
-        unhidden = sky[directions.cells(directions.about(places.normals, pattern))].mean(axis=1)
-        more = open_light / np.maximum(unhidden, 1e-30)
-        more = np.where(unhidden > 0.0, np.clip(more, 0.5, 2.0), 1.0)
+        more = directions.ratios(sky, open_light, places.normals, pattern)
         result, told = np.empty(more.shape), np.empty(len(more))
         for part, hits in space.look(places.at, places.normals, pattern):
             sums = gather(hits, surfaces, wide)

@@ -225,10 +225,9 @@ class Collected:
                 some = new[k : k + step]
                 dark = some[np.isnan(self._open[some, 0])]
                 self._open[dark] = directions.open_light(shading.channels, self._normals[dark])
-                ways = directions.about(self._normals[some], pattern)
-                told = shading.channels[directions.cells(ways)].mean(axis=1)
-                more = self._open[some] / np.where(told > 0.0, told, 1.0)
-                ratios[some] = np.where(told > 0.0, np.clip(more, 0.5, 2.0), 1.0)
+                ratios[some] = directions.ratios(
+                    shading.channels, self._open[some], self._normals[some], pattern
+                )
                 yield
 
 

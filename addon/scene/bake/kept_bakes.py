@@ -8,10 +8,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ....node_groups import baked_light, modifiers
+from ....node_groups import modifiers
 from . import scene_bake, session, shelf, storage
-
-LIGHTS = baked_light.LIGHT, baked_light.BEHIND
 
 
 class KeptBakes:
@@ -25,7 +23,7 @@ class KeptBakes:
             assert modifier is not None and bake is not None  # which is what `baked` asks for
             inputs = {name: modifiers.get_input(modifier, name) for name in shelf.INPUTS}
             self._shown[obj.name] = modifier.node_group, inputs
-            there = [name for name in LIGHTS if name in bake.data.attributes]
+            there = [name for name in storage.LIGHTS if name in bake.data.attributes]
             self._values.append(
                 (bake, {name: storage.read_attribute(bake, name) for name in there})
             )

@@ -16,6 +16,9 @@ from ....node_groups import baked_light, modifiers, sky_bake
 from . import surroundings
 from .fine_mesh import Fine
 
+LIGHTS = baked_light.LIGHT, baked_light.BEHIND
+"""The attributes of a bake's points that hold light."""
+
 _VALUE = {"FLOAT_COLOR": "color", "FLOAT_VECTOR": "vector"}
 
 

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ....node_groups import baked_light, sky_bake
+from ....node_groups import sky_bake
 from ....node_groups import tree as groups
 from ....node_groups.drivers import drive
 from ... import tags
@@ -24,7 +24,6 @@ from . import values
 from .key_lights import KeyLights
 
 PATH = f'["{tags.BAKED_KEY}"]'
-LIGHTS = baked_light.LIGHT, baked_light.BEHIND
 
 
 def install(world: bpy.types.World, found: KeyLights, frames: NDArray) -> None:
@@ -78,7 +77,7 @@ def stop(world: bpy.types.World, key: int, level: float) -> None:
             modifier.node_group = sky_bake.ensure()
             if bake is None:
                 continue
-            for attribute in LIGHTS:
+            for attribute in storage.LIGHTS:
                 _stand_still(bake, attribute, key, level)
             storage.tell(bake)
             obj.update_tag()
