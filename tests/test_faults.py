@@ -91,9 +91,13 @@ def test_kill_9_leaves_the_old_or_the_whole_new(tmp_path, name):
 @pytest.mark.slow
 def test_a_request_to_end_comes_through_while_blender_starts(office):
     """Blender crashes of an exception in its start, and swallows one in its handlers."""
+    command = [sys.executable, "-c", kills.MAIN, *WRITE["apply"][0].split()]
+    began = time.monotonic()
+    subprocess.run(command, cwd=office, check=True, capture_output=True)
+    whole = time.monotonic() - began
     (office / "a.blend").write_bytes(b"old")
-    for moment in (0.3, 0.6, 0.9, 1.3):
-        command = [sys.executable, "-c", kills.MAIN, *WRITE["apply"][0].split()]
+    # Of the time that it takes here; at its end it is done, whoever asks.
+    for moment in (0.2 * whole, 0.4 * whole, 0.6 * whole, 0.75 * whole):
         running = subprocess.Popen(command, cwd=office, stderr=subprocess.PIPE, text=True)
         time.sleep(moment)
         running.terminate()

@@ -44,7 +44,7 @@ def finding(
         lighting.find,
         lamps=user_lamps.find(scene, transfer, rho) if scene and settings.shadows != DOME else None,
         with_sun=settings.sun,
-        ground=_ground(scene, known, settings),
+        ground=(yield from _ground(scene, known, settings)),
         occlusion=settings.shadows,
     )
     return (yield from aside(Progress(0.0, "the lights"), find, light, transfer))
@@ -57,7 +57,7 @@ def _ground(scene, known, settings):
         return "hdri"  # of which a bake knows how much geometry hides
     if scene is None or not (automatic or settings.ground == "modelled"):
         return settings.ground
-    covered, below = sky_exposure.ground_below(scene, list(known))
+    covered, below = yield from sky_exposure.looking_below(list(known))
     if automatic and not covered:
         return "hdri"
     return "modelled" if below is None else known.get(below, "modelled")

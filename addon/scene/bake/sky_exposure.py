@@ -64,16 +64,30 @@ def ground_below(
 
     Of faces that see what is below them nine in ten have to have something straight under them.
     """
+    return run(looking_below(chosen))
+
+
+def looking_below(
+    chosen: Collection[bpy.types.Material],
+) -> Generator[Progress, None, tuple[bool, bpy.types.Material | None]]:
+    """Find the `ground_below`, yielding now and then."""
     around = placed_meshes.gather(bpy.context.evaluated_depsgraph_get())
     names = [material.name_full for material in chosen]
+    yield LOOKING
+    usual = yield from aside(LOOKING, _below, around, names)
+    if usual is None:
+        return False, None
+    return True, next((m for m in bpy.data.materials if m.name_full == usual), None)
+
+
+def _below(around: PlacedMeshes, names: Sequence[str]) -> str | None:
     starts, normals = _places(around, names, np.random.default_rng(0))
     starts = starts[normals[:, 2] <= 0.7]
     place, triangle = around.first_hits(starts, np.broadcast_to([0.0, 0.0, -1.0], starts.shape))
     below = around.material[triangle[place >= 0]].tolist()
     if not len(starts) or len(below) < 0.9 * len(starts):
-        return False, None
-    usual = around.materials[max(sorted(set(below)), key=below.count)]
-    return True, next((m for m in bpy.data.materials if m.name_full == usual), None)
+        return None
+    return around.materials[max(sorted(set(below)), key=below.count)]
 
 
 def _places(
