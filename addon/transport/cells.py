@@ -22,7 +22,7 @@ class Matter:
     reflectance: NDArray[np.float32]
     """(m, 16), 0 to 1; a mirror or metal has its share too, sent evenly."""
     emission: NDArray[np.float32]
-    """(m, 16), radiance that a front sends of its own."""
+    """(m, 16), radiance that faces send of their own, to either side."""
     opacity: NDArray[np.float32]
     """(m,), the part of light that does not pass as through a hole."""
     clear: NDArray[np.bool_]

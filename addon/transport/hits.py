@@ -1,8 +1,9 @@
 """What rays meet: for each the row of a table that holds the light which comes along it.
 
-The table's rows are the fronts of all patches, their backs, the cells of the sphere beyond, and two
-more: `Space.lost`, for rays that start inside something solid, which tell nothing; `Space.dark`. So
-light that changes changes the table, and no ray is cast anew.
+The table's rows are the fronts of all patches, their backs, those of emitters that are sought by
+rays to them (`Space.strip`), the cells of the sphere beyond, and two more: `Space.lost`, for rays
+that start inside something solid, which tell nothing; `Space.dark`. So light that changes changes
+the table, and no ray is cast anew.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 
 from . import directions
 from .cells import ANGLES, Cells, Matter
+from .emitters import Emitters
 from .rays import Caster
 
 CHUNK = 2**18, 2**14
@@ -58,8 +60,14 @@ class Space:
         self.cells, self.matter = cells, matter
         self.caster = Caster(cells.corners, slow)
         self.caster.build()
+        self.emitters = Emitters(cells, matter)
         n = cells.patches
-        self.sky, self.lost, self.dark = 2 * n, 2 * n + directions.SKY, 2 * n + directions.SKY + 1
+        self.bare = 2 * n
+        """The first of the rows of emitters' fronts without what they send of their own; of their
+        backs as many follow."""
+        self.sky = self.bare + 2 * len(self.emitters.patches)
+        self.lost = self.sky + directions.SKY
+        self.dark = self.lost + 1
         self.rows = self.dark + 1
         self.filters: list[NDArray[np.float32]] = []
         self._combined: dict[tuple[int, int], int] = {}
@@ -77,23 +85,41 @@ class Space:
         reach = np.maximum(2.0 * np.abs(places).max(axis=-1, keepdims=True), self._near)
         return np.maximum(2e-6 * reach, 1e-7).astype(np.float32)
 
+    def strip(self, table: NDArray) -> None:
+        """Give emitters that are sought, in a table (rows, …) of what all sides send on, the same
+        in the rows that nothing is added to which they send of their own."""
+        patches = self.emitters.patches
+        if len(patches):
+            table[self.bare : self.sky] = table[np.concatenate([patches, patches + self.bare // 2])]
+
+    def own(self, table: NDArray) -> NDArray:
+        """Return what each of the emitters' kinds sends of its own, (kinds, k), by a table (rows,
+        k)."""
+        one = self.emitters.examples
+        return table[one] - table[self.bare + self.emitters.slot[one]]
+
     def look(
-        self, starts: NDArray, normals: NDArray, pattern: NDArray
+        self, starts: NDArray, normals: NDArray, pattern: NDArray, sought: bool = False
     ) -> Iterator[tuple[slice, Hits]]:
         """Yield what points (n, 3) meet along a pattern about their normals (n, 3), some thousand
-        of them at a time."""
+        of them at a time; ``sought`` as in `met`."""
         rays = len(pattern)
         step = max(1, self.chunk // rays)
         for first in range(0, len(normals), step):
             part = slice(first, min(first + step, len(normals)))
             ways = directions.about(normals[part], pattern)
             origins = np.repeat(starts[part].astype(np.float32), rays, axis=0)
-            yield part, self.met(origins, ways)
+            yield part, self.met(origins, ways, sought)
 
-    def met(self, origins: NDArray[np.float32], ways: NDArray[np.float32]) -> Hits:
-        """Return what rays (n, rays, 3) meet; ``origins`` as many."""
+    def met(
+        self, origins: NDArray[np.float32], ways: NDArray[np.float32], sought: bool = False
+    ) -> Hits:
+        """Return what rays (n, rays, 3) meet; ``origins`` as many.
+
+        ``sought``: light of emitters that are far comes along other rays, by `next_event.seek`.
+        """
         rows, odd, odd_filter = self.trace(
-            origins.reshape(-1, 3), ways.reshape(-1, 3), mirrors=True
+            origins.reshape(-1, 3), ways.reshape(-1, 3), mirrors=True, sought=sought
         )
         odd_rows = rows[odd]
         rows[odd] = self.dark
@@ -153,18 +179,21 @@ class Space:
         ways: NDArray[np.float32],
         reach: NDArray | None = None,
         mirrors: bool = False,
+        sought: bool = False,
     ) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int32]]:
         """Return the rows that rays (n, 3), (n, 3) end in, the numbers of those that have met
         panes, and which of `filters` they have passed.
 
         What lies farther than ``reach`` (n,) is not met. ``mirrors``: panes send back as many rays
-        as they mirror light, by chance; else all go on, and that much fainter.
+        as they mirror light, by chance; else all go on, and that much fainter. ``sought`` as in
+        `met`: what is seen in a mirror is not.
         """
         cells, count = self.cells, self.cells.patches
         met = self.caster.first_hits(origins, ways)
         met = self._within(met, origins, ways, reach, slice(None))
         rows = met.copy()
         passed = np.zeros(len(rows), np.int32) if self._any else None
+        turned = np.zeros(len(rows), bool)
         if passed is not None and count:
             going = np.flatnonzero((met >= 0) & self._porous[cells.kind[met]])
             at = origins
@@ -185,6 +214,7 @@ class Space:
                 over = np.where(back, -4, 4)[:, None] * self.lift(at[going])
                 at[going] += (far[:, None] + over) * way
                 if back.any():
+                    turned[going[back]] = True
                     ways = ways.copy()
                     way = way - (2.0 * back * slope)[:, None].astype(np.float32) * normal
                     ways[going] = way
@@ -201,12 +231,26 @@ class Space:
         dark = rows[beyond] == -2
         patch = cells.patch[hit]
         rows[inside] = np.where(behind, np.where(cells.solid[hit], self.lost, patch + count), patch)
+        if sought and len(self.emitters):
+            self._leave_out(rows, inside[~turned[inside]], hit[~turned[inside]], origins, ways)
         rows[beyond] = self.sky + directions.cells(ways[beyond])
         rows[beyond[dark]] = self.dark
         if passed is None:
             return rows, np.empty(0, np.int64), np.empty(0, np.int32)
         odd = np.flatnonzero(passed)
         return rows, odd, passed[odd] - 1
+
+    def _leave_out(self, rows, rays, hit, origins, ways) -> None:
+        """Let those of rays (k,) that have met cells (k,) of emitters which are sought from where
+        they start end in rows without those's own light."""
+        near = self.emitters.reach[hit]
+        some = np.flatnonzero(near < np.inf)
+        rays, hit = rays[some], hit[some]
+        _, far = self.cells.along(hit, origins[rays], ways[rays])
+        some = (far > near[some]) & (rows[rays] < self.bare)
+        rays, slot = rays[some], self.emitters.slot[self.cells.patch[hit[some]]]
+        behind = rows[rays] >= self.cells.patches
+        rows[rays] = self.bare + slot + behind * len(self.emitters.patches)
 
     def nearest(self, origins: NDArray, ways: NDArray, reach: NDArray) -> NDArray[np.int32]:
         """Return the cell (n,) that each ray meets within its reach, -1 for none and for panes and

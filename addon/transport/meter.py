@@ -16,6 +16,7 @@ from . import directions
 from .bands import COUNT
 from .hits import Space, gather
 from .lamps import Direct, shine
+from .next_event import rays_beside, seek
 
 SPOT = 0.5
 """[degrees] from the axis of a luminance meter to the edge of what it sees."""
@@ -57,10 +58,12 @@ class Field:
         So many rays from each; open sky is without their error, as in `collected.Collected`.
         """
         pattern = directions.pattern(rays)
-        for part, found in self._gathered(places, normals, pattern):
+        for part, found in self._gathered(places, normals, pattern, sought=True):
             starts, across = self._starts(places, normals, part)
             found.channels *= self._more(across, pattern)
             found.bands += self._direct(starts, across)
+            emitted = seek(self.space, starts, across, rays_beside(rays))
+            found.bands += emitted.light(self.space, self.table, len(starts))
             yield found
 
     def direct(self, places: NDArray, normals: NDArray) -> NDArray[np.float64]:
@@ -77,14 +80,16 @@ class Field:
         across = normals[part].astype(np.float32)
         return (places[part] + self.space.lift(places[part]) * across).astype(np.float32), across
 
-    def _gathered(self, places, normals, pattern) -> Iterator[tuple[slice, Light]]:
+    def _gathered(
+        self, places, normals, pattern, sought: bool = False
+    ) -> Iterator[tuple[slice, Light]]:
         space, rays = self.space, len(pattern)
         wide = np.zeros((space.rows, COUNT + 1 + self.channels.shape[1]), np.float32)
         wide[: space.sky, :COUNT] = self.table[: space.sky]
         wide[:, COUNT] = self.tells
         wide[space.sky : space.lost, COUNT + 1 :] = self.channels
         starts, across = self._starts(places, normals, slice(None))
-        for part, hits in space.look(starts, across, pattern):
+        for part, hits in space.look(starts, across, pattern, sought):
             sums = gather(hits, wide).astype(float)
             if len(hits.odd):
                 light = self.table[hits.odd_rows] * np.array(space.filters)[hits.odd_filter]

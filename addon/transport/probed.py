@@ -15,6 +15,7 @@ from ..spectra.cielab import XYZ_to_Lab, delta_E_2000
 from . import directions
 from .hits import Space, gather
 from .lamps import Direct, shine
+from .next_event import rays_beside, seek
 
 PLACES = 256
 """Places that stand for a picture: their mean is known to a tenth of it or so."""
@@ -134,18 +135,21 @@ class Sent:
         surfaces = self.table - above
         if not bounced:
             surfaces[:] = 0.0
-            first = space.cells.first
-            surfaces[: len(first)] = space.matter.emission[space.cells.kind[first]]
+            emission = space.matter.emission[space.cells.kind[space.cells.first]]
+            surfaces[: space.bare] = np.concatenate([emission, emission])
         surfaces = np.concatenate([surfaces, self.tells[:, None]], axis=1)
         pattern = directions.pattern(rays)
         more = directions.ratios(sky, open_light, places.normals, pattern)
         result, told = np.empty(more.shape), np.empty(len(more))
-        for part, hits in space.look(places.at, places.normals, pattern):
+        for part, hits in space.look(places.at, places.normals, pattern, sought=True):
             sums = gather(hits, surfaces, wide)
             told[part] = sums[:, -1]
             result[part] = sums[:, :-1] + more[part] * gather(hits, above, filters)
+            result[part] /= np.maximum(told[part], 1e-3)[:, None]
+            emitted = seek(space, places.at[part], places.normals[part], rays_beside(rays))
+            result[part] += emitted.light(space, self.table, len(sums))
             yield part.stop / len(told)
-        return result / np.maximum(told, 1e-3)[:, None], told
+        return result, told
 
 
 def probing(

@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 
 from . import directions
 from .cells import Matter
+from .even import even
 from .hits import Growing, Hits, Space, gather
 from .lamps import Direct, sent, shine
+from .next_event import Sought, seek
 
 ENOUGH = 2e-4
 """Sweeps end when the last changes no cell by more than this part of the mean."""
@@ -26,6 +28,9 @@ UNLIT = 5e-3
 
 STARTS = 32
 """Places on a patch that its rays start from, one after another."""
+
+SEEKING, SEEK = 4, 8
+"""Of them so many seek emitters, by so many rays each."""
 
 COVER = 0.2
 """What lies so near before a place, of its cell's side, and along it, hides it: a rug, a door."""
@@ -52,6 +57,8 @@ class Radiosity:
         self.row = np.where(self.side > 0, self.patch, self.patch + cells.patches)
         """(r,), its row in the table."""
         self.hits = Hits(np.empty((0, 1), np.int32))
+        self.sought = Sought.none()
+        """What comes to the sides from small emitters."""
         self.counts = np.ones((len(self.patch), STARTS), bool)
         """(r, STARTS), which places tell the side's light: not what is in or under something."""
         self.enclosed = np.zeros(len(self.patch), bool)
@@ -62,13 +69,13 @@ class Radiosity:
         self.first = self.E
         """(r, 16), the part of it that has not bounced."""
         self.direct = self.E
-        """(r, 16), the part of that which rays do not meet: of lamps and the sun."""
+        """(r, 16), the part of that which lamps and the sun send."""
 
     def take(self, matter: Matter) -> None:
         """Let kinds reflect and send otherwise than before; what they let through stays."""
         kind = self.space.cells.kind[self.space.cells.first]
         self.rho = matter.reflectance[kind[self.patch]]
-        self.emission = matter.emission[kind]
+        self.emission = matter.emission[kind[self.patch]]
 
     def _starts(self, part, shares):
         """Where rays start on some sides, (k, r, 3), and the normals there."""
@@ -83,11 +90,11 @@ class Radiosity:
         ``alike``: in the same directions from all of one normal, so that neighbours err alike and
         differ by their light alone; else turned at random, so that errors cancel.
         """
-        found = Growing(len(self.patch), rays)
+        found, sought = Growing(len(self.patch), rays), [Sought.none()]
         rng = np.random.default_rng(1)
         # Which direction starts where is no pattern, and no two patches have the same turn.
         pattern = directions.pattern(rays)[rng.permutation(rays)]
-        shares = _even(STARTS)
+        shares = even(STARTS)
         turn = np.arange(rays) % STARTS
         turns = rng.random(len(self.patch)) * (0.0 if alike else 2.0 * np.pi)
         step = max(1, self.space.chunk // rays)
@@ -100,14 +107,30 @@ class Radiosity:
             frames = directions.frames(normals.reshape(-1, 3)).reshape(*normals.shape, 3)
             turned = directions.turned(pattern, turns[part])
             ways = np.einsum("nrk,nrkx->nrx", turned, frames[:, turn])
-            hits = self.space.met(starts[:, turn], ways)
+            sought.append(self._sought(self.counts[part], starts, normals).after(first))
+            hits = self.space.met(starts[:, turn], ways, sought=True)
             hits.rows[~self.counts[part][:, turn]] = self.space.lost
             found.add(hits)
             yield min(1.0, (first + step) / len(self.patch))
-        self.hits = found.hits
+        self.hits, self.sought = found.hits, Sought.joined(sought)
         beyond = (self.hits.rows >= self.space.sky) & (self.hits.rows < self.space.lost)
         # Of a patch that is partly in something too few rays are left to say so.
         self.enclosed = ~beyond.any(axis=1) & self.counts.all(axis=1)
+
+    def _sought(self, counts, starts, normals) -> Sought:
+        """What comes from small emitters to some of the places (k, r, 3) on sides that count."""
+        if not len(self.space.emitters):
+            return Sought.none()
+        chosen = np.argsort(~counts, axis=1, kind="stable")[:, :SEEKING]
+        count = np.take_along_axis(counts, chosen, axis=1)
+        at, along = (
+            np.take_along_axis(each, chosen[..., None], axis=1).reshape(-1, 3)
+            for each in (starts, normals)
+        )
+        found = seek(self.space, at.astype(np.float32), along.astype(np.float32), SEEK)
+        share = count / count.sum(axis=1, keepdims=True)
+        part = found.part * share.reshape(-1)[found.place].astype(np.float32)
+        return Sought(found.place // SEEKING, found.which, part).summed()
 
     def lit_by(
         self, lamps: list[Direct], starts: int = 16
@@ -166,7 +189,7 @@ class Radiosity:
     def _lit(self, lamps, starts, sides, rng, result, spread) -> Iterator[float]:
         """Find the light (r, 16) of lamps on some sides (k,), and by how much single places differ
         (r,), from places that are others on every side: else all would miss what falls between."""
-        shares = _even(starts)
+        shares = even(starts)
         step = max(1, self.space.chunk // starts)
         for first in range(0, len(sides), step):
             part = sides[first : first + step]
@@ -210,12 +233,14 @@ class Radiosity:
         lit = bright > UNLIT * bright.mean()
         seen = np.zeros((space.rows, 4), np.float32)
         seen[self.row] = lit[:, None]
+        space.strip(seen)
         # Few rays may miss a small lamp: who sees what has met it is in no other room than that.
         sees_lit = gather(self.hits, seen)[:, 0] > 0.0
         unlit = ~lit & (self.side < 0) | (bright <= 0.0) & ~sees_lit
         unlit &= self.enclosed
         if unlit.any() and not unlit.all():
             tells[self.row[unlit]] = 0.0
+            space.strip(tells)
             table, more = self._spread(sky, direct, tells, self.E)  # little has changed
             sweeps += more
         return table, tells, sweeps
@@ -233,16 +258,16 @@ class Radiosity:
             return share * gather(self.hits, table, filters)
 
         table[space.sky : space.lost] = sky
-        table[:fronts] = self.emission
-        first = direct + arriving()
+        table[self.row] = self.emission
+        first = direct + arriving() + self.sought.light(space, table, len(direct))
         E = first if near is None else near
         table[space.sky : space.lost] = 0.0
-        table[:fronts] = 0.0
         areas = np.bincount(space.cells.patch, space.cells.areas, fronts)[self.patch]
         sweep = 0
         while sweep < MOST:
             sweep += 1
             table[self.row] = rho * E
+            space.strip(table)
             bounced = arriving()
             new = first + bounced
             if sweep > 1:
@@ -253,7 +278,8 @@ class Radiosity:
                 break
         self.E, self.first, self.direct = E, first, direct
         table[self.row] = rho * E
-        table[:fronts] += self.emission
+        space.strip(table)
+        table[self.row] += self.emission
         table[space.sky : space.lost] = sky
         return table, sweep
 
@@ -266,10 +292,3 @@ def _balanced(areas, first, E, bounced) -> NDArray[np.float32]:
     lost = is_there - goes_round
     holds = lost * MOST > is_there
     return np.where(holds, comes / np.where(holds, lost, 1.0), 1.0).astype(np.float32)
-
-
-def _even(count: int) -> NDArray[np.float64]:
-    """Points (count, 3) that fill the unit cube evenly: Kronecker's sequence by the roots of
-    x^4 = x + 1 (M. Roberts 2018)."""
-    steps = 1.2207440846057596 ** -np.arange(1.0, 4.0)
-    return (0.5 + (np.arange(count)[:, None] + 1.0) * steps) % 1.0

@@ -23,7 +23,7 @@ from spectral_skylight.tests.transport.rooms import (
 
 def test_one_bright_patch_is_the_only_light(keep):
     """On a ball's inside every place has the same light, (share of the patch) / (1 - rho): how far
-    single places are off by chance."""
+    single places are off where rays find it by chance, and where they are sent to it."""
     corners, figures = ball(16)[:, ::-1], {}
     for rays in (64, 1024):
         found = radiosity(corners, matter([0.5]), cells=0, rays=rays)
@@ -37,12 +37,24 @@ def test_one_bright_patch_is_the_only_light(keep):
         assert abs(np.average(off, weights=areas)) < 3.0 / np.sqrt(share * rays * len(areas))
         figures[rays] = np.abs(off).mean()
     assert figures[1024] < 0.3 * figures[64]  # the root of 16, of a pattern that is even: better
+    of = matter([0.5, 0.5])
+    of.emission[1] = 1.0
+    kinds = np.zeros(len(corners), np.int32)
+    kinds[chosen] = 1
+    found = radiosity(corners, of, kinds, cells=0, rays=64)
+    solved(found)
+    # A patch beside the bright one is within its reach, and there rays meet it by chance.
+    middle = fronts(found)[1]
+    away = np.linalg.norm(middle[:, None] - middle[chosen], axis=2).min(axis=1)
+    off = (light(found) / (share / 0.5) - 1.0)[away > 0.5]
+    figures["sought"] = np.abs(off).mean()
+    assert abs(off.mean()) < 0.02 and figures["sought"] < figures[1024] / 3.0
     keep(
         f"a bright patch of {100 * share:.1g} % of all that is seen as the only light",
-        f"in the mean right to 1 %, a place alone off by {100 * figures[64]:.0f} % with 64 rays "
-        f"and by {100 * figures[1024]:.0f} % with 1,024",
-        "points whose light a pass of rays changes cast on, up to 4,096; lamps and the sun are "
-        "not found by chance",
+        f"a place alone off by {100 * figures['sought']:.1g} % by 32 rays to it; found by chance, "
+        f"by {100 * figures[64]:.0f} % with 64 rays and by {100 * figures[1024]:.0f} % with 1,024",
+        "sends rays to what shines and is small for its distance; what is near, or large, is met "
+        "by an eighth of those all about",
     )
 
 

@@ -17,6 +17,7 @@ from ...progress import Progress, aside
 from ...transport import directions
 from ...transport.bands import COUNT
 from ...transport.hits import Growing, Hits, Space, gather
+from ...transport.next_event import Sought, rays_beside, seek
 from .light import Light
 from .receivers import Receivers
 
@@ -81,6 +82,7 @@ class _Block:
 
     points: NDArray[np.int32]
     hits: Hits
+    sought: Sought
     pattern: int
 
 
@@ -118,14 +120,17 @@ class Collected:
         step = max(1, BLOCK // len(pattern))
         for first in range(0, len(points), step):
             chosen = points[first : first + step]
-            found = Growing(len(chosen), len(pattern))
+            found, sought = Growing(len(chosen), len(pattern)), [Sought.none()]
             places, normals = receivers.places[chosen], receivers.normals[chosen]
-            for part, hits in self.space.look(places, normals, pattern):
+            beside = rays_beside(len(pattern))
+            for part, hits in self.space.look(places, normals, pattern, sought=True):
                 found.add(hits)
+                emitted = seek(self.space, places[part], normals[part], beside)
+                sought.append(emitted.after(part.start))
                 yield (first + part.stop) / len(points)
             self.depth[chosen] = len(self.patterns)
             at = Progress((first + len(chosen)) / len(points), "")
-            block = _Block(chosen, found.hits, len(self.patterns))
+            block = _Block(chosen, found.hits, Sought.joined(sought), len(self.patterns))
             yield from (each.done for each in aside(at, self._keep, block, shading))
         for _ in self._compare(shading):
             yield 1.0
@@ -201,6 +206,11 @@ class Collected:
             colour = _coloured(light, kinds[point], shading)
             for k in range(3):
                 sums[:, k] += np.bincount(point, colour[:, k], len(points))
+        emitted = block.sought.of(part)
+        if len(emitted.place):
+            light = emitted.light(self.space, shading.table, len(points))
+            # Unlike what rays all about have met it is not shared among those that tell.
+            sums[:, :3] += _coloured(light, kinds, shading) * sums[:, 3:4]
         now = self.depth[points] == block.pattern
         self._sums[points[now]] = sums[now, :NARROW]
 
