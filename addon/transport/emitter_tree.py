@@ -167,11 +167,14 @@ def tree(
     sums = np.concatenate([np.zeros((1, 3)), np.cumsum(normals.astype(float), axis=0)])
     axis = sums[last] - sums[first]
     axis /= np.maximum(np.linalg.norm(axis, axis=1), 1e-30)[:, None]
-    number = np.repeat(np.arange(len(first)), last - first)
-    each = np.arange(len(number)) - np.repeat(np.cumsum(last - first) - last, last - first)
-    cosine = np.einsum("nk,nk->n", axis[number], normals[each])
-    ends = np.cumsum(last - first)[:-1]
-    least = np.minimum.reduceat(cosine, np.concatenate([[0], ends])) if len(first) else cosine
+    least, start = np.ones(len(first)), 0
+    for each in (len(pair) for pair in pairs if len(pair)):  # level by level, each of all parts
+        some = slice(start, start + each)
+        cosine = np.einsum(
+            "nk,nk->n", np.repeat(axis[some], last[some] - first[some], axis=0), normals
+        )
+        least[some] = np.minimum.reduceat(cosine, first[some])
+        start += each
     spread = np.where(least > 1e-3, np.sqrt(np.maximum(1.0 - least**2, 0.0)), 2.0)
     radius = np.linalg.norm(high - low, axis=1) / 2.0
     return Branches(

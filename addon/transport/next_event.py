@@ -21,6 +21,9 @@ EACH, RAYS = 8, (16, 1024)
 BRANCHES = 256
 """Of the tree of emitters, that a place chooses from at first, at most."""
 
+ENTRIES = 2**18
+"""About so many are multiplied at once: 16 MB."""
+
 SHORT = 1e-4
 """A ray to an emitter ends before it by this part of its length."""
 
@@ -30,14 +33,14 @@ class Sought:
     """What comes from emitters to places: the number of a ``place`` (k,), ascending, of ``which``
     emitters and filter (k,), and what part of their radiance is irradiance / pi there (k,)."""
 
-    place: NDArray[np.int64]
-    which: NDArray[np.int64]
+    place: NDArray[np.int32]
+    which: NDArray[np.int32]
     part: NDArray[np.float32]
 
     @classmethod
     def none(cls) -> Sought:
         """Return what comes where nothing is sought."""
-        return cls(np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0, np.float32))
+        return cls(np.empty(0, np.int32), np.empty(0, np.int32), np.empty(0, np.float32))
 
     @classmethod
     def joined(cls, parts: Sequence[Sought]) -> Sought:
@@ -58,20 +61,29 @@ class Sought:
 
     def summed(self) -> Sought:
         """Return one entry for each place and sort of light, in their order."""
-        kinds = int(self.which.max(initial=0)) + 1
-        keys, number = np.unique(self.place * kinds + self.which, return_inverse=True)
-        sums = np.bincount(number.reshape(-1), self.part, len(keys))
-        return Sought(keys // kinds, keys % kinds, sums.astype(np.float32))
+        sorts = int(self.which.max(initial=0)) + 1
+        keys = self.place.astype(np.int64) * sorts + self.which
+        keys, number = np.unique(keys, return_inverse=True)
+        sums = np.bincount(number.reshape(-1), self.part, len(keys)).astype(np.float32)
+        return Sought((keys // sorts).astype(np.int32), (keys % sorts).astype(np.int32), sums)
 
     def light(self, space: Space, table: NDArray, count: int) -> NDArray[np.float32]:
         """Return irradiance / pi (count, 16) on so many places by a table (rows, 16)."""
         result = np.zeros((count, table.shape[1]), np.float32)
+        if not len(self.place):
+            return result
         own = space.own(table)
-        for which in np.unique(self.which).tolist():
-            passed, kind = divmod(which, len(own))
-            chosen = self.which == which
-            radiance = own[kind] * (space.filters[passed - 1] if passed else 1.0)
-            result[self.place[chosen]] += self.part[chosen, None] * radiance.astype(np.float32)
+        which, sort = np.unique(self.which, return_inverse=True)
+        passed, kind = np.divmod(which, len(own))
+        through = np.array([np.ones(table.shape[1], np.float32), *space.filters])
+        radiance = own[kind] * through[passed]
+        ends = np.flatnonzero(np.diff(self.place, append=-1)) + 1
+        for some in np.array_split(ends, -(-len(self.place) // ENTRIES)):
+            first = int(np.searchsorted(self.place, self.place[some[0] - 1]))
+            part = slice(first, int(some[-1]))
+            light = self.part[part, None] * radiance[sort.reshape(-1)[part]]
+            starts = np.concatenate([[0], some[:-1] - first])
+            result[self.place[some - 1]] = np.add.reduceat(light, starts, axis=0)
         return result
 
 
@@ -116,10 +128,10 @@ def _seek(space, starts, normals, cut, shares) -> Sought:
     light = sent * emitters.areas[part] * emitters.opacity[kind] / np.maximum(chance, 1e-30)
     light[(far <= emitters.reach[emitters.cell[part]]) | (chance <= 0.0)] = 0.0
     going = np.flatnonzero(light > 0.0)
-    point, kind, light, far = point[going], kind[going].astype(np.int64), light[going], far[going]
+    point, kind, light, far = point[going], kind[going], light[going], far[going]
     short = far * (1.0 - SHORT) - 2.0 * space.lift(starts[point])[:, 0]
     ends, odd, passed = space.trace(starts[point], np.ascontiguousarray(ways[going]), short)
-    kind[odd] += (passed.astype(np.int64) + 1) * len(emitters.kinds)
+    kind[odd] += (passed + 1) * len(emitters.kinds)
     seen = (ends >= space.sky) & (ends < space.lost)
     return Sought(point[seen], kind[seen], light[seen] / (np.pi * rays)).summed()
 

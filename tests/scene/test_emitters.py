@@ -7,11 +7,13 @@ import pytest
 from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.bake import patches
+from spectral_skylight.addon.scene.bake.matter import optics_of
 from spectral_skylight.addon.scene.blend_data import nodes
 from spectral_skylight.addon.scene.world.settings import Settings
 from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.addon.spectra.grid import WAVELENGTHS
 from spectral_skylight.addon.transfer.assignment import Assignment
+from spectral_skylight.addon.transfer.matrices import transfer
 from spectral_skylight.node_groups import tree as groups
 from spectral_skylight.tests import faces
 from spectral_skylight.tests.buildings import box, shown
@@ -83,3 +85,21 @@ def test_a_room_lit_by_a_strip(room, monkeypatch):
     # rays that find the strip by chance leave 38 %.
     assert abs(off.mean()) < 0.015
     assert np.abs(off).mean() < 0.06
+
+
+def test_what_lets_light_pass_shines_by_the_part_that_does_not():
+    """Rays stop at a mix with a transparent shader by chance: what they meet then is all of it."""
+    faces.empty_scene()
+    shares = {}
+    for factor in (0.25, 1.0):
+        material = of("Half", "Emission", Strength=2.0)
+        tree = material.node_tree
+        emission, output = tree.nodes
+        clear = groups.add(tree, "ShaderNodeBsdfTransparent")
+        mix = groups.add(tree, "ShaderNodeMixShader", factor, clear.outputs[0], emission.outputs[0])
+        tree.links.new(mix.outputs[0], output.inputs[0])
+        optics = optics_of(material, transfer())
+        assert optics.opacity == pytest.approx(factor)
+        shares[factor] = optics.emission
+    np.testing.assert_allclose(shares[0.25], shares[1.0], rtol=1e-6)
+    assert shares[1.0].max() > 0.0

@@ -30,7 +30,7 @@ class Optics:
     """What one material does: spectra (81,) but for the ``opacity``, 0 to 1.
 
     ``transmittance``: of one face at normal incidence where it is a pane, else None; ``faces``: 1
-    where a face is the whole pane.
+    where a face is the whole pane. ``emission`` is of the part that does not let light pass.
     """
 
     reflectance: NDArray[np.float64]
@@ -116,7 +116,8 @@ def _shader(material: bpy.types.Material) -> Socket | None:
 def _read(
     shader: Socket | None, transfer: Transfer
 ) -> tuple[NDArray[np.float64], float, NDArray[np.float64] | None]:
-    """Return what a shader sends (81,), its opacity, and its colour (3,) where it is clear."""
+    """Return what a shader sends (81,) where it stops light, its opacity, which is how often it
+    does, and its colour (3,) where it is clear."""
     dark = np.zeros(81)
     if shader is None:
         return dark, 1.0, None
@@ -126,11 +127,12 @@ def _read(
         parts = [_read(nodes.source(each), transfer) for each in inputs]
         factor = _value(node.inputs[0], 0.5) if node.type == "MIX_SHADER" else 0.5
         shares = np.array([1.0 - factor, factor])
-        emission = shares[0] * parts[0][0] + shares[1] * parts[1][0]
-        if node.type == "ADD_SHADER":
-            return 2.0 * emission, min(1.0, sum(p[1] for p in parts)), None
+        stops = shares * [p[1] for p in parts]
+        sent, opacity = stops[0] * parts[0][0] + stops[1] * parts[1][0], float(stops.sum())
         clear = parts[int(factor > 0.5)][2]
-        return emission, float(shares @ [p[1] for p in parts]), clear
+        if node.type == "ADD_SHADER":
+            sent, opacity, clear = 2.0 * sent, min(1.0, 2.0 * opacity), None
+        return sent / max(opacity, 1e-6), opacity, clear
     if node.type == "BSDF_TRANSPARENT":
         return dark, 1.0 - float(np.mean(node.inputs["Color"].default_value[:3])), None
     if node.type == "EMISSION":
