@@ -17,11 +17,15 @@ from .hits import Space, gather
 from .lamps import Direct, shine
 from .next_event import rays_beside, seek
 
-PLACES = 256
-"""Places that stand for a picture: their mean is known to a tenth of it or so."""
+PLACES = 1024
+"""Places that stand for a picture: what it is off by differs from one to the next by about as much
+as its mean, which so many know to a few percent."""
 
-RAYS = 16, 64, 256, 1024
+RAYS = 64, 256
 """From each; the last of them is taken for true."""
+
+FINEST, EACH = 1024, 4
+"""Rays by which that is judged in turn, and light between fewer patches: from one place in four."""
 
 TOLD = 0.5
 """A place of whose rays fewer tell anything lies in something solid."""
@@ -30,45 +34,51 @@ TOLD = 0.5
 @dataclass(frozen=True)
 class Probed:
     """Places (k,) by what a picture shows: their ``normals`` (k, 3), reflectance ``rho`` (k, 16),
-    and light as irradiance / pi (k, 16): ``direct`` of lamps, ``first`` that has not bounced, all
-    of it by how many ``rays`` were cast, and ``rough`` as it is between fewer patches."""
+    and light as irradiance / pi (k, 16): ``direct`` of lamps, ``first`` that has not bounced, and
+    all of it by how many ``rays`` were cast. Of every fourth (k / 4, 16) ``finest`` is that of most
+    rays, and ``rough`` is as it would be between fewer patches."""
 
     normals: NDArray[np.float32]
     rho: NDArray[np.float64]
     direct: NDArray[np.float64]
     first: NDArray[np.float64]
     rays: dict[int, NDArray[np.float64]]
+    finest: NDArray[np.float64]
     rough: NDArray[np.float64]
     to_XYZ: NDArray[np.float64]
 
-    def error(self, light: NDArray[np.float64]) -> float:
-        """Return the mean CIEDE2000 of another light (k, 16) there, white being the perfect
-        diffuser in all the light of the place."""
-        true = self.rays[max(self.rays)]
+    def error(self, light: NDArray[np.float64], true: NDArray[np.float64]) -> float:
+        """Return the mean CIEDE2000 of a light that another is the true one of, (k, 16) or on every
+        fourth place; white is the perfect diffuser in all the light of the place."""
+        rho = self.rho if len(light) == len(self.rho) else self.rho[::EACH]
         white = true @ self.to_XYZ.T
-        one, other = (
-            XYZ_to_Lab((self.rho * each) @ self.to_XYZ.T, white) for each in (light, true)
-        )
+        one, other = (XYZ_to_Lab((rho * each) @ self.to_XYZ.T, white) for each in (light, true))
         return float(delta_E_2000(one, other).mean())
 
     def without_bounces(self) -> float:
         """Return the mean CIEDE2000 where no surface sends light on."""
-        return self.error(self.first)
+        return self.error(self.first, self.rays[RAYS[-1]])
 
     def under(self, open_sky: NDArray[np.float32]) -> float:
         """Return the mean CIEDE2000 where nothing hides a sky (SKY, 16), and lamps cast shadows."""
-        return self.error(directions.open_light(open_sky, self.normals) + self.direct)
+        return self.error(_open_light(open_sky, self.normals) + self.direct, self.rays[RAYS[-1]])
+
+    def of_fewer_patches(self) -> float:
+        """Return the mean CIEDE2000 where light goes round between fewer patches."""
+        return self.error(self.rough, self.rays[RAYS[-1]][::EACH])
 
     def noise(self) -> dict[int, float]:
         """Return the mean CIEDE2000 by how many rays are cast.
 
-        The most, of which no more are cast to judge them by, err as much less than those before as
-        these do than theirs.
+        Each count is judged by the next. As that errs too, independently and by less in the same
+        ratio from each count to the next, what it is found to be off by is somewhat too much.
         """
-        counts = sorted(self.rays)
-        errors = [self.error(self.rays[count]) for count in counts[:-1]]
-        last = errors[-1] * min(errors[-1] / max(errors[-2], 1e-9), 1.0) if errors[1:] else 0.0
-        return dict(zip(counts, [*errors, last], strict=True))
+        few, more = RAYS
+        counted = self.error(self.rays[few], self.rays[more])
+        last = self.error(self.rays[more][::EACH], self.finest)
+        ratio = min(last / max(counted, 1e-9), 1.0)
+        share = 1.0 / float(np.hypot(1.0, ratio))
+        return {few: counted * share, more: last * share, FINEST: last * share * ratio}
 
 
 @dataclass(frozen=True)
@@ -122,34 +132,38 @@ class Sent:
     tells: NDArray[np.float32]
 
     def light(
-        self, places: Places, rays: int, open_light: NDArray[np.float64], bounced: bool = True
-    ) -> Generator[float, None, tuple[NDArray[np.float64], NDArray[np.float64]]]:
-        """Return the light (k, 16) that so many rays bring, and which part of them (k,) tells
-        anything, yielding 0 to 1. ``open_light`` (k, 16): the sky's where nothing hides it. Not
-        ``bounced``: no surface sends on what it is sent."""
+        self, places: Places, rays: int, open_light: NDArray[np.float64]
+    ) -> Generator[
+        float, None, tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+    ]:
+        """Return the light (k, 16) that so many rays bring, what of it has not bounced, and which
+        part of the rays (k,) tells anything, yielding 0 to 1. ``open_light`` (k, 16): the sky's
+        where nothing hides it."""
         space = self.space
         filters = np.array(space.filters) if space.filters else None
         wide = None if filters is None else np.concatenate([filters, filters[:, :1]], axis=1)
         above = np.zeros_like(self.table)
         sky = above[space.sky : space.lost] = self.table[space.sky : space.lost]
-        surfaces = self.table - above
-        if not bounced:
-            surfaces[:] = 0.0
-            emission = space.matter.emission[space.cells.kind[space.cells.first]]
-            surfaces[: space.bare] = np.concatenate([emission, emission])
-        surfaces = np.concatenate([surfaces, self.tells[:, None]], axis=1)
+        surfaces = np.concatenate([self.table - above, self.tells[:, None]], axis=1)
+        shining = np.zeros_like(self.table)
+        emission = space.matter.emission[space.cells.kind[space.cells.first]]
+        shining[: space.bare] = np.concatenate([emission, emission])
         pattern = directions.pattern(rays)
         more = directions.ratios(sky, open_light, places.normals, pattern)
-        result, told = np.empty(more.shape), np.empty(len(more))
+        result, unbounced, told = np.empty(more.shape), np.zeros(more.shape), np.empty(len(more))
         for part, hits in space.look(places.at, places.normals, pattern, sought=True):
             sums = gather(hits, surfaces, wide)
             told[part] = sums[:, -1]
-            result[part] = sums[:, :-1] + more[part] * gather(hits, above, filters)
-            result[part] /= np.maximum(told[part], 1e-3)[:, None]
+            unbounced[part] = more[part] * gather(hits, above, filters)
+            result[part] = sums[:, :-1] + unbounced[part]
+            if emission.any():
+                unbounced[part] += gather(hits, shining, filters)
             emitted = seek(space, places.at[part], places.normals[part], rays_beside(rays))
-            result[part] += emitted.light(space, self.table, len(sums))
+            for light in (result, unbounced):
+                light[part] /= np.maximum(told[part], 1e-3)[:, None]
+                light[part] += emitted.light(space, self.table, len(sums))
             yield part.stop / len(told)
-        return result, told
+        return result, unbounced, told
 
 
 def probing(
@@ -158,7 +172,6 @@ def probing(
     places: Places,
     lamps: Sequence[Direct],
     to_XYZ: NDArray[np.float64],
-    rays: Sequence[int] = RAYS,
 ) -> Generator[float, None, Probed | None]:
     """Look at the light on places of a picture, yielding 0 to 1; None where there is none.
 
@@ -171,21 +184,31 @@ def probing(
     direct = np.zeros((len(places.at), to_XYZ.shape[1]))
     for lamp in lamps:
         direct += shine(space, lamp, places.at, places.normals, rng)
-    open_light = directions.open_light(sent.table[space.sky : space.lost], places.normals)
+    open_light = _open_light(sent.table[space.sky : space.lost], places.normals)
     found: dict[int, NDArray[np.float64]] = {}
-    for count in rays:
-        found[count], told = yield from sent.light(places, count, open_light)
-    first, _ = yield from sent.light(places, rays[-1], open_light, bounced=False)
-    other, _ = yield from rough.light(places, rays[-1], open_light)
-    kept = (told >= TOLD) & ((direct + found[rays[-1]]).mean(axis=1) > 0.0)
+    for count in RAYS:
+        found[count], first, told = yield from sent.light(places, count, open_light)
+    kept = (told >= TOLD) & ((direct + found[RAYS[-1]]).mean(axis=1) > 0.0)
     if not kept.any():
         return None
+    some = np.flatnonzero(kept)[::EACH]
+    part, above = places.part(some), open_light[some]
+    finest, _, _ = yield from sent.light(part, FINEST, above)
+    other, _, _ = yield from rough.light(part, RAYS[-1], above)
     return Probed(
         places.normals[kept],
         space.matter.reflectance[space.cells.kind[places.cell[kept]]],
         direct[kept],
         (direct + first)[kept],
         {count: (direct + light)[kept] for count, light in found.items()},
-        (direct + other)[kept],
+        direct[some] + finest,
+        direct[some] + other,
         to_XYZ,
     )
+
+
+def _open_light(sky: NDArray, normals: NDArray[np.float32]) -> NDArray[np.float64]:
+    """Do as `directions.open_light` does, once for normals that differ by less than a thousandth:
+    walls have few."""
+    _, first, each = np.unique(np.round(normals, 3), axis=0, return_index=True, return_inverse=True)
+    return directions.open_light(sky, normals[first])[each.reshape(-1)]

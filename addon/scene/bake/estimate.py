@@ -15,6 +15,8 @@ import numpy as np
 from ...transport import directions
 from ...transport.rays import Caster
 from . import passes
+from .how import How
+from .least_light import LeastLight
 
 DIVIDED = 60_000
 """Points that faces are divided into, beside their own corners, as scenes usually have it."""
@@ -42,12 +44,12 @@ def estimate(
     objects: Collection[bpy.types.Object],
     rays: int | None = None,
     slow: bool = False,
-    enough: int | None = None,
+    least: LeastLight | None = None,
 ) -> Estimate:
     """Return how long `scene_bake.bake` will take for some objects, within a factor of about 2.
 
-    ``rays`` from each point at last, or from as many points as need them, up to ``enough``; None:
-    as light asks for.
+    ``rays`` from each point at last, or from as many points as need them, up to what is enough for
+    the ``least`` light; None: as light asks for.
     It evaluates the scene and casts rays for some hundredths of a second.
     """
     triangles, corners, chosen = 0, 0, 0
@@ -62,17 +64,17 @@ def estimate(
             corners += len(mesh.loops)
             chosen += 1
     points = corners + DIVIDED
-    ends = passes.rays_of(points, slow) if rays is None else [min(passes.FIRST[1], rays), rays]
-    if enough is not None:
-        ends = ends[:2] + [end for end in ends[2:] if end < passes.FACTOR * enough]
+    how = How(rays, 0.0, slow, least=least)
+    ends = how.passes(points)
     later = float(points * sum(ends[1:]))
     if rays is None:
         # Some are sure of their light after two passes, and for the others the budget ends it.
-        later = min(later, points * ends[1] + passes.left(points, slow))
+        later = min(later, points * sum(ends[1:2]) + passes.left(points, slow))
     ray = seconds_per_ray(triangles, slow)
     scene = (START + chosen * OBJECT + triangles * TRIANGLE) * ray / 1e-7
     first = scene + WHOLE * ray * (AROUND[0] + points * ends[0])
-    return Estimate(float(first), float(first + scene + WHOLE * ray * (AROUND[1] + later)))
+    finer = 0.0 if how.coarse else scene + WHOLE * ray * AROUND[1]
+    return Estimate(float(first), float(first + finer + WHOLE * ray * later))
 
 
 def seconds_per_ray(triangles: int, slow: bool = False, count: int = 4096) -> float:

@@ -33,7 +33,12 @@ class How:
         if self.least is None:
             return ends
         enough = next((k for k, end in enumerate(ends) if end >= self.least.rays), len(ends))
-        return ends[: max(enough, 0 if self.least.coarse else 1) + 1]
+        return ends[: max(enough, 0 if self.coarse else 1) + 1]
+
+    @property
+    def coarse(self) -> bool:
+        """Whether light that goes round between the first patches is enough."""
+        return self.least is not None and self.least.coarse
 
     def said(self, rays: int) -> LeastLight | None:
         """Return the light that was enough, with so many rays as were cast for it."""

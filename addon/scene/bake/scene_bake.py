@@ -146,9 +146,8 @@ def bake(
                 continue
             if not done:
                 later = [obj for each, more in stages[number + 1 :] for obj in (*each, *more)]
-                found = estimate([*chosen, *later], rays, slow, least.rays if least else None)
-                seconds = found.first if least is not None and least.coarse else found.all
-                yield Progress(0.0, f"about {seconds:.0f} s")
+                found = estimate([*chosen, *later], rays, slow, least)
+                yield Progress(0.0, f"about {found.all:.0f} s")
             first_only = number + 1 < len(stages)
             how = How(rays, tolerance, slow, first_only, error, least)
             work = session.baking(chosen, light or light_of_scene.Light(), how)

@@ -141,39 +141,36 @@ def baking(
         yield Progress(0.25, "a first light")
         if how.first_only:
             return lines, len(plans)
-        if len(each) == 1:
-            session.key, session.light = scene_key(), light.key(session.materials)
-            session.coarse, session.least = True, how.said(each[-1])
-            _last.append(session)
-            return lines, len(plans)
-        # With what lamps light, which is stored nowhere, but sent on from there.
-        at = Progress(0.25, patches.BETWEEN)
-        finer = layout.finer(
-            parts, of_parts, layout.bends(coarse), how.tolerance, patches.PATCHES[1]
-        )
-        parts, finer = yield from aside(at, feet.cut, space, parts, finer)
-        cells = yield from aside(at, Cells.of, parts, finer, small)
-        space = yield from aside(at, Space, cells, matter, slow)
-        del coarse, session
-        radiosity = Radiosity(space)
-        for done in radiosity.cast(patches.sent(radiosity, 1)):
-            yield Progress(0.25 + 0.35 * done, patches.BETWEEN)
-        collected = Collected(receivers, space)
-        session = Session(0, around.origin, around.materials, radiosity, collected)
-        at = Progress(0.6, patches.BETWEEN)
-        shading = yield from going_round(session, light, at)
-        if isinstance(light, SceneLight):
-            seen = camera_share.Eye.of(bpy.context.scene, around.origin)
-            session.left_out = yield from aside(at, _left_out, radiosity, light, seen)
+        session.coarse = how.coarse
+        begun = 0.25
+        if not how.coarse:
+            # With what lamps light, which is stored nowhere, but sent on from there.
+            at, begun = Progress(0.25, patches.BETWEEN), 0.6
+            bends = layout.bends(coarse)
+            finer = layout.finer(parts, of_parts, bends, how.tolerance, patches.PATCHES[1])
+            parts, finer = yield from aside(at, feet.cut, space, parts, finer)
+            cells = yield from aside(at, Cells.of, parts, finer, small)
+            space = yield from aside(at, Space, cells, matter, slow)
+            del coarse, session
+            radiosity = Radiosity(space)
+            for done in radiosity.cast(patches.sent(radiosity, 1)):
+                yield Progress(0.25 + 0.35 * done, patches.BETWEEN)
+            collected = Collected(receivers, space)
+            session = Session(0, around.origin, around.materials, radiosity, collected)
+            at = Progress(0.6, patches.BETWEEN)
+            shading = yield from going_round(session, light, at)
+            if isinstance(light, SceneLight):
+                seen = camera_share.Eye.of(bpy.context.scene, around.origin)
+                session.left_out = yield from aside(at, _left_out, radiosity, light, seen)
         speed = slow if count is None else None
         last = before[0]
         for done, colours in passes.collect(collected, shading, each[1:], before, speed, how.sure):
             if colours is not None:
-                at = Progress(0.6 + 0.4 * done, points)
+                at = Progress(begun + (1.0 - begun) * done, points)
                 coloured.write((yield from aside(at, coloured.of, session.collected, colours)))
                 session.noise = float(np.abs(colours - last).sum() / max(colours.sum(), 1e-30))
                 last = colours
-            yield Progress(0.6 + 0.4 * done, points)
+            yield Progress(begun + (1.0 - begun) * done, points)
         session.key, session.light = scene_key(), light.key(session.materials)
         session.least = how.said(each[-1])
         _last.append(session)

@@ -80,7 +80,7 @@ def sounding(
         probed.without_bounces(),
         probed.under(open_sky),
         probed.noise(),
-        probed.error(probed.rough),
+        probed.of_fewer_patches(),
     )
 
 

@@ -127,12 +127,16 @@ def _lighting(
     _chosen.clear()
     _open.clear()
     if settings.is_choosing:
-        least = yield from _choosing(scene, settings)
+        # What shines under the open sky and on a bake, of which one is known.
+        known = {settings.least: shining}
+        for each in {None, OPEN} - {settings.least}:
+            known[each] = yield from shining_on(scene, replace(settings, least=each))
+        least = yield from _choosing(scene, settings, known[None], known[OPEN])
         enough = OPEN if least is not None and least.light == OPEN else None
+        shining = known[enough]
         if enough != settings.least:
             settings = replace(settings, least=enough)
             lines = yield from _showing(scene, settings)
-            shining = yield from shining_on(scene, settings)
         if least is not None and enough == OPEN:
             scene_bake.remove()
             session.forget()
@@ -153,12 +157,11 @@ def _key(scene: bpy.types.Scene, shining: SceneLight) -> bytes:
 
 
 def _choosing(
-    scene: bpy.types.Scene, settings: Settings
+    scene: bpy.types.Scene, settings: Settings, shining: SceneLight, opened: SceneLight
 ) -> Generator[Progress, None, LeastLight | None]:
-    """Find the least light that keeps to the tolerance; None where no picture tells."""
-    shining = yield from shining_on(scene, replace(settings, least=None))
-    under = yield from shining_on(scene, replace(settings, least=OPEN))
-    found = yield from sounding(shining, under.sky, errors_of_models(scene))
+    """Find the least light that keeps to the tolerance, by what shines ``shining`` on a bake and
+    ``opened`` under the open sky; None where no picture tells."""
+    found = yield from sounding(shining, opened.sky, errors_of_models(scene))
     if found is not None:
         _chosen.append(least_light(found, settings.tolerance or 0.0))
     return _chosen[0] if _chosen else None
