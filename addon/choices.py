@@ -69,7 +69,7 @@ def offered_bases() -> Choices:
     return {SIMPLEST: chosen, **BASES}
 
 
-AUTO, OPEN, DOME, BAKED = "auto", "open", "dome", "baked"
+AUTO, OPEN, DOME, BAKED, TRACED = "auto", "open", "dome", "baked", "traced"
 
 ALL_LIGHT = AUTO, BAKED
 """The occlusions that hold all light."""
@@ -89,6 +89,11 @@ OCCLUSIONS: Choices = {
     BAKED: Entry(
         "Baked",
         "All light, baked only when it is asked for",
+    ),
+    TRACED: Entry(
+        "Traced",
+        "Cycles traces all light at once, with the color of each material in the light that "
+        "falls on it. Not as exact as baked light. Eevee shows the open sky",
     ),
 }
 """How geometry that hides the sky darkens materials."""

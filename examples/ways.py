@@ -9,7 +9,7 @@ import sys
 from way import Way
 from ways_cycles import rgb, wavelengths
 from ways_eevee import eevee
-from ways_ours import ours, progressive
+from ways_ours import ours, progressive, traced
 from ways_peers import missing, mitsuba, radiance
 
 from spectral_skylight.addon.choices import AUTO, DOME, OPEN
@@ -34,6 +34,13 @@ WAYS: dict[str, Way] = {
     **{f"Cycles by wavelength, {n} samples": wavelengths(n) for n in (16, 128)},
     **{f"Ours, {n} rays, in Cycles": ours(AUTO, "cycles", n) for n in RAYS},
     **{f"Cycles RGB in Rec.2020, {n} samples": rgb(n, wide=True) for n in (64, 1024)},
+    **{f"Ours, traced, {n} samples": traced(n) for n in (16, 64, 256, 1024)},
+    **{f"Ours, traced, {n} samples, denoised": traced(n, True) for n in (16, 64, 256)},
+    **{f"Ours, traced in Rec.2020, {n} samples": traced(n, wide=True) for n in (64, 256, 1024)},
+    **{
+        f"Ours, traced in Rec.2020, {n} samples, denoised": traced(n, True, wide=True)
+        for n in (16, 64)
+    },
     **{f"Cycles RGB, {n} samples": rgb(n) for n in (16, 256, 4096)},
     **{f"Cycles RGB, {n} samples, denoised": rgb(n, True) for n in (1024,)},
     **{

@@ -15,13 +15,18 @@ from way import Clock, Shot, Way, sample
 from spectral_skylight.addon.spectra.working_spaces import rec709_to_working
 
 
-def cycles(ready: Ready, samples: int, denoise: bool, seed: int = 7) -> dict[str, np.ndarray]:
+def cycles(
+    ready: Ready, samples: int, denoise: bool, seed: int = 7, sky: int | None = None
+) -> dict[str, np.ndarray]:
     """Render the open scene in Cycles with every bounce; return the picture ``Combined`` and those
-    of its light groups."""
+    of its light groups. ``sky``: into how many columns Cycles cuts the sky to find what is bright;
+    None: as `sample` has it."""
     scene, layer = bpy.context.scene, bpy.context.view_layer
     scene.render.engine = "CYCLES"
     settings = scene.cycles
     sample(scene, ready, samples)
+    if sky is not None:
+        scene.world.cycles.sample_map_resolution = sky
     settings.seed, settings.use_denoising = seed, denoise
     settings.light_sampling_threshold = settings.sample_clamp_indirect = settings.blur_glossy = 0.0
     for kind in ("max", "diffuse", "glossy", "transmission", "transparent_max"):

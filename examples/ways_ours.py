@@ -6,15 +6,22 @@ import bpy
 import numpy as np
 from ready import Ready
 from way import Clock, Shot, Way, megabytes, opened, rendered
+from ways_cycles import cycles
 
-from spectral_skylight.addon.choices import AUTO, DOME, OPEN
+from spectral_skylight.addon.choices import AUTO, DOME, OPEN, TRACED
 from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.scene import use_cases
 from spectral_skylight.addon.scene.bake import storage
 from spectral_skylight.addon.scene.lights import user_lamps
 from spectral_skylight.addon.scene.world.settings import Settings
+from spectral_skylight.addon.spectra.working_spaces import rec709_to_working
 from spectral_skylight.addon.transfer import assignment
 from spectral_skylight.node_groups import baked_light
+
+WIDE = "Linear Rec.2020"
+
+SUN = 2048
+"""Columns of the sky in which Cycles finds the sun of an HDRI: 0.53 degrees are three of them."""
 
 
 def ours(occlusion: str, engine: str, rays: int | None = None) -> Way:
@@ -44,6 +51,30 @@ def ours(occlusion: str, engine: str, rays: int | None = None) -> Way:
 
     label = {OPEN: "open sky", DOME: "live"}.get(occlusion, f"{rays} rays" if rays else "all light")
     return Way(f"Ours in {engine.capitalize()}", label, shots)
+
+
+def traced(samples: int, denoise: bool = False, wide: bool = False) -> Way:
+    """The add-on's colors, their light traced by Cycles in so many samples, denoised or not, in
+    Rec.709 or ``wide`` in Rec.2020."""
+
+    def shots(ready: Ready, more: bool) -> Iterator[Shot]:
+        scene, settings = opened(ready), _settings(ready, TRACED)
+        if wide:  # Blender 5
+            bpy.ops.wm.set_working_color_space(working_space=WIDE, convert_colors=True)
+        setup, clock = Clock(), Clock()
+        with setup:
+            _make_spectral(scene, ready, settings)
+        groups = bpy.context.view_layer.lightgroups
+        while len(groups):  # which cost nobody time who needs none
+            bpy.ops.scene.view_layer_remove_lightgroup()
+        with clock:
+            picture = cycles(ready, samples, denoise, sky=SUN)["Combined"]
+        if wide:
+            picture = picture @ np.linalg.inv(rec709_to_working(WIDE)).T
+        yield Shot(picture, setup.seconds + clock.seconds, setup.seconds, {}, megabytes())
+
+    where, how = " in Rec.2020" * wide, ", denoised" * denoise
+    return Way(f"Ours, traced{where}{how}", f"{samples}", shots)
 
 
 def progressive(engine: str = "cycles") -> Way:

@@ -4,11 +4,13 @@
 
 M is the material's matrix for skylight; Ground, Sun and Lamp are what it reflects of light of one
 known spectrum, three numbers each. Where a mesh is baked the first two are what the bake made of
-all light but sun and lamps (`baked_light`). A material differs from another by the values of its
-group node's inputs alone, so one shader serves all of a World; what that World has none of is not
-in it (`Features`). Drivers copy the World's strength and rotation; their target is also how the
-group of a World is known. (A custom property that points to the World would do the same, but in
-Blender 4.5 each render takes a user off it.)
+all light but sun and lamps (`baked_light`). Where Cycles traces the light itself, it multiplies it
+by Color, RGB by RGB: what the material reflects of the light that falls on it in this scene (Ward
+and Eydelberg-Vileshin 2002, DOI 10.2312/EGWR/EGWR02/117-124). A material differs from another by
+the values of its group node's inputs alone, so one shader serves all of a World; what that World
+has none of is not in it (`Features`). Drivers copy the World's strength and rotation; their target
+is also how the group of a World is known. (A custom property that points to the World would do the
+same, but in Blender 4.5 each render takes a user off it.)
 """
 
 from __future__ import annotations
@@ -28,11 +30,12 @@ from .tree import Socket
 from .value import Value, combine_xyz, inputs, outputs
 
 KIND = "Skylight Surface"
-VERSION = 4
+VERSION = 5
 SKY = "Sky"  # the nodes whose Rotation and Strength follow the World
 GROUND = "Ground"
 PROBE = "Probe"
 BAKED = "Baked"
+TRACED = "Traced"  # the node whose value is 1 where Cycles traces the light, else 0
 OLD = "Visibility"  # in its place before version 4: harmonics of what vertices saw of the sky
 ANY = "sun_threshold"  # a number that every World has
 LIGHTS = {
@@ -41,7 +44,7 @@ LIGHTS = {
     "Lamp 1": "light of the first kind of lamps",
     "Lamp 2": "light of the second kind of lamps",
 }
-TINT = "Tint"
+TINT, COLOR = "Tint", "Color"
 IRRADIANCE, REFLECTANCE = "Skylight Irradiance", "Skylight Reflectance"
 """Passes (AOVs) that a view layer may ask for: the sky's irradiance/π, and the material's colour
 under a light of (1, 1, 1)."""
@@ -54,7 +57,8 @@ INPUTS = (
         Socket(name, "Vector", f"RGB that the material reflects of {light}", (0.0, 0.0, 0.0))
         for name, light in LIGHTS.items()
     ),
-    Socket(TINT, "Vector", "RGB that baked light is multiplied by", (1.0, 1.0, 1.0)),
+    Socket(TINT, "Vector", "RGB that baked or traced light is multiplied by", (1.0, 1.0, 1.0)),
+    Socket(COLOR, "Vector", "RGB that Cycles multiplies light by where it traces it", (0.8,) * 3),
 )
 OUTPUTS = (SHADER, CYCLES)
 
@@ -125,6 +129,16 @@ def features_of(tree: bpy.types.NodeTree) -> Features:
     return Features(sky, PROBE in tree.nodes, GROUND in tree.nodes)  # type: ignore[arg-type]
 
 
+def trace(tree: bpy.types.NodeTree, on: bool) -> None:
+    """Let Cycles trace the light of a `Skylight Surface` group, or show that of its World."""
+    tree.nodes[TRACED].outputs[0].default_value = float(on)
+
+
+def is_traced(tree: bpy.types.NodeTree) -> bool:
+    """Whether Cycles traces the light of a `Skylight Surface` group."""
+    return TRACED in tree.nodes and tree.nodes[TRACED].outputs[0].default_value > 0.5
+
+
 def ensure(
     world: bpy.types.World,
     strength: str | None,
@@ -145,6 +159,7 @@ def ensure(
     old = {name: part(tree, name) for name in (SKY, GROUND, PROBE, BAKED, OLD)} if tree else {}
     if features is None:
         features = features_of(tree) if tree else Features()
+    traced = tree is not None and is_traced(tree)
     sky = sky_irradiance.ensure(old.get(SKY))
     parts = {SKY: sky}
     dome = features.sky == "dome"
@@ -165,6 +180,7 @@ def ensure(
         partial(_build, parts=parts, matrix=spectral_matrix.ensure(), dome=dome),
         variant=str(features),
     )
+    trace(tree, traced)
     for name, inside in parts.items():
         node = tree.nodes[name]
         at = node.inputs["Strength"], "default_value", world
@@ -237,16 +253,20 @@ def _build(
         for name in ("Lamp 1", "Lamp 2"):
             lit = given[name] * probe[name] + lit
         colours["Shader"] = lit
+    shaders = [add("ShaderNodeEmission", colour).outputs[0] for colour in colours.values()]
+    normal = normals.build(tree, given["Normal"])
+
+    def diffuse(colour: Value) -> bpy.types.NodeSocket:
+        return add("ShaderNodeBsdfDiffuse", colour, 0.0, into={"Normal": normal}).outputs[0]
+
+    if probe:
+        # The lamps are that much too strong for Cycles, which drowns all else in this Diffuse.
+        faint = diffuse(given["Sun"] * ((1.0 / light_probe.CYCLES_STRENGTH,) * 3))
+        shaders[1] = add("ShaderNodeAddShader", faint, shaders[1]).outputs[0]
+    traced = add("ShaderNodeValue", name=TRACED, label=TRACED).outputs[0]
+    white = (1.0, 1.0, 1.0)  # of which no surface sends more
+    own = diffuse((given[COLOR] * given[TINT]).minimum(white))
+    shaders[1] = add("ShaderNodeMixShader", traced, shaders[1], own).outputs[0]
     clear = add("ShaderNodeBsdfTransparent").outputs[0]
-    surfaces = []
-    for name, colour in colours.items():
-        shader = add("ShaderNodeEmission", colour).outputs[0]
-        if probe and name == "Cycles":
-            # The lamps are that much too strong for Cycles, which drowns all else in this Diffuse.
-            faint = given["Sun"] * ((1.0 / light_probe.CYCLES_STRENGTH,) * 3)
-            normal = normals.build(tree, given["Normal"])
-            diffuse = add("ShaderNodeBsdfDiffuse", faint, 0.0, into={"Normal": normal})
-            shader = add("ShaderNodeAddShader", diffuse.outputs[0], shader).outputs[0]
-        mixed = add("ShaderNodeMixShader", given["Alpha"], clear, shader)
-        surfaces.append(mixed.outputs[0])
-    add("NodeGroupOutput", *surfaces)
+    mixed = [add("ShaderNodeMixShader", given["Alpha"], clear, shader) for shader in shaders]
+    add("NodeGroupOutput", *(node.outputs[0] for node in mixed))

@@ -130,7 +130,7 @@ def test_the_panel_has_a_new_basis_and_occlusion():
 
 def test_the_command_line_has_a_new_occlusion():
     said = " ".join(run(CLI, "apply", "--help").split())
-    assert "{auto,open,dome,baked,fog}" in said and "fog: Fog hides the sky" in said
+    assert "{auto,open,dome,baked,traced,fog}" in said and "fog: Fog hides the sky" in said
     parse = """
     from spectral_skylight.addon import cli
     options = ["apply", "a.blend", "--out", "b.blend", "--occlusion", "fog"]
@@ -155,7 +155,7 @@ def test_a_study_has_a_new_occlusion_and_basis(folder):
     (folder / "study.toml").write_text(f"{text}{sky}timezone = 1\nnorth = 0\n")
     assert run(STUDY, folder / "study.toml").splitlines() == [
         "fog clouds",
-        "auto, open, dome, baked or fog",
+        "auto, open, dome, baked, traced or fog",
         "simplest, rayleigh, daylight, atmosphere or clouds; atmosphere",
     ]
 

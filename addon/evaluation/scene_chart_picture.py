@@ -12,6 +12,10 @@ from .scene_chart import TIMES, Point, front, verdict
 _COLOURS = {
     "Ours in Cycles": "#15803c",
     "Ours in Eevee": "#0f8a8a",
+    "Ours, traced": "#7fb000",
+    "Ours, traced, denoised": "#b5d33c",
+    "Ours, traced in Rec.2020": "#3f7d5a",
+    "Ours, traced in Rec.2020, denoised": "#8cc3a3",
     "Eevee": "#777777",
     "Cycles RGB": "#c1272d",
     "Cycles RGB, denoised": "#e07b39",

@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...node_groups import spectral_matrix
+from ...node_groups import skylight_surface, spectral_matrix
 from .. import tags
 from ..errors import InputError
 from ..sky.polynomial import evaluate_polynomial
@@ -182,6 +182,10 @@ def _of_light(
         yield Step("Light", line)
     for name, rgb in own.surface.reflected.items():
         held = np.array(node.inputs[name].default_value)
+        if name == skylight_surface.COLOR:  # it follows from the light on the material here
+            if plan.lights.traced:
+                yield Step("Color in traced light", _numbers(held), held.tolist())
+            continue
         if np.any(rgb) or held.any():
             yield Step(f"Socket {name}", _numbers(held), held.tolist())
         if not _near(held, np.asarray(rgb)):

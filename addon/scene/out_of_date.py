@@ -66,6 +66,9 @@ def caption(scene: bpy.types.Scene) -> str:
     found = light_group.record_of(scene.world)
     if found is None:
         return ""
-    if are_shown(scene) and not scene_bake.baked():
-        return found.caption.replace(lighting.BAKED_LIGHT, NOT_BAKED)
-    return found.caption
+    if not are_shown(scene):
+        return found.caption
+    if scene_bake.baked():
+        # Until it was there Cycles traced it.
+        return found.caption.replace(lighting.TRACED_LIGHT, lighting.BAKED_LIGHT)
+    return found.caption.replace(lighting.BAKED_LIGHT, NOT_BAKED)

@@ -104,7 +104,7 @@ def making(
     light, choice = yield from choosing(light, surfaces, settings)
     model = sky_line(choice, light)
     hidden = None
-    wanted = settings.tolerance is not None or settings.shadows == OPEN
+    wanted = settings.tolerance is not None or (settings.shadows == OPEN and not settings.traced)
     if wanted and bpy.context.scene.world == world:
         hidden = yield from sky_exposure.hiding(list(surfaces))
     if settings.tolerance is not None and hidden is not None:
@@ -240,7 +240,7 @@ def _caption(lights: Lights, hidden: float | None) -> str:
 
     ``hidden``: the share of the sky that geometry keeps from the materials, None where unknown.
     """
-    if lights.occlusion != OPEN or hidden is None or hidden < NOTICED:
+    if lights.occlusion != OPEN or lights.traced or hidden is None or hidden < NOTICED:
         return lights.caption
     share = f"{100 * hidden:.0f} % of the sky is hidden from these materials and still lights them"
     return f"{lights.caption}; {share}: they are too bright, most of all indoors"

@@ -14,7 +14,7 @@ from ..progress import Progress, aside
 from ..sky.light import SkyLight
 from ..transfer.matrices import Transfer
 from ..transfer.white import AUTO
-from .bake import sky_exposure
+from .bake import scene_bake, sky_exposure
 from .lights import lighting, user_lamps
 from .materials import spectral_material
 from .world import hdri as worlds
@@ -46,15 +46,23 @@ def finding(
         with_sun=settings.sun,
         ground=(yield from _ground(scene, known, settings)),
         occlusion=settings.shadows,
+        traced=settings.traced or _waits(scene, settings),
     )
     return (yield from aside(Progress(0.0, "the lights"), find, light, transfer))
+
+
+def _waits(scene: bpy.types.Scene | None, settings: Settings) -> bool:
+    """Whether Cycles renders a scene whose light is not baked yet: it traces it until then."""
+    if scene is None or settings.shadows != BAKED or scene.render.engine != "CYCLES":
+        return False
+    return not scene_bake.baked()
 
 
 def _ground(scene, known, settings):
     """Return one of `transfer.ground.CHOICES`, or the reflectance (81,) of what lies below."""
     automatic = settings.ground == AUTO
-    if automatic and (settings.shadows == BAKED or scene is None):
-        return "hdri"  # of which a bake knows how much geometry hides
+    if automatic and (settings.shadows == BAKED or settings.traced or scene is None):
+        return "hdri"  # of which a bake, or Cycles, knows how much geometry hides
     if scene is None or not (automatic or settings.ground == "modelled"):
         return settings.ground
     covered, below = yield from sky_exposure.looking_below(list(known))

@@ -11,7 +11,7 @@ from ..choices import BAKED
 from ..errors import InputError
 from ..grouping import grouped
 from ..progress import Progress
-from .bake import scene_bake
+from .bake import scene_bake, traced_colors
 from .bake.light import shining_of
 from .lights import lighting
 from .materials import (
@@ -94,6 +94,18 @@ def relighting(plan: Plan) -> Generator[Progress, None, list[str]]:
     return (yield from scene_bake.relighting(shining))
 
 
+def coloring(plan: Plan) -> Generator[Progress, None, None]:
+    """Give materials whose light Cycles traces their colors in that light, in the active scene."""
+    scene = bpy.context.scene
+    if not plan.lights.traced or scene.world != plan.world:
+        return
+    shining = yield from shining_of(plan.world, plan.lights, scene)
+    colors = yield from traced_colors.finding(shining, plan.lights.transfer.space)
+    for material in spectral_material.managed_materials(plan.world):
+        if material.name_full in colors and material.is_editable:
+            spectral_material.set_color(material, colors[material.name_full])
+
+
 def _follow(plan: Plan, fresh: list[bpy.types.Material]) -> list[str]:
     """Give materials that the World lit before what they reflect of its new light."""
     lines = []
@@ -138,7 +150,7 @@ def _not_shown(fresh: list[bpy.types.Material]) -> list[str]:
 
 def _not_lit(plan: Plan) -> list[str]:
     """Lines on materials whose light reaches nothing spectral, for only a bake carries it."""
-    if plan.lights.occlusion == BAKED:
+    if plan.lights.occlusion == BAKED or plan.lights.traced:
         return []
     shown = (m for scene in lighting.scenes_of(plan.world) for m in eligibility.materials_of(scene))
     why = "emits light that reaches spectral materials only with all light (baked)"

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import bpy
 
 from .. import tags
+from ..choices import TRACED
 from . import operator
 from .translation import translated
 
@@ -76,7 +77,9 @@ def show(context: bpy.types.Context, shading: str = "AUTO", everywhere: bool = T
     """Let 3D views show the sky and the lamps of the scene; Solid and Wireframe do not."""
     if shading == "AUTO":
         eevee = context.scene.render.engine.startswith("BLENDER_EEVEE")
-        shading = "RENDERED" if eevee else "MATERIAL"
+        world = context.scene.world
+        traced = world is not None and world.skylight.occlusion == TRACED  # which Eevee cannot show
+        shading = "RENDERED" if eevee or traced else "MATERIAL"
     for view in _views(context, everywhere):
         view.shading.type = shading
         for name in ("world", "lights"):

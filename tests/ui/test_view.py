@@ -34,6 +34,10 @@ def test_show_in_viewport(scene):
     bpy.ops.skylight.show_in_viewport()
     assert shading.type == "MATERIAL"
     assert shading.use_scene_world and shading.use_scene_lights
+    scene.world.skylight.occlusion = "traced"
+    bpy.ops.skylight.show_in_viewport()
+    assert shading.type == "RENDERED"  # which Cycles alone can show
+    scene.world.skylight.occlusion = "auto"
     scene.render.engine = "BLENDER_WORKBENCH"
     with pytest.raises(RuntimeError, match="Workbench does not show shaders"):
         bpy.ops.skylight.show_in_viewport()

@@ -20,6 +20,7 @@ from ...transport import feet, left_out
 from ...transport.cells import Cells
 from ...transport.hits import Space
 from ...transport.radiosity import Radiosity
+from ..lights import lighting as world_lights
 from . import camera_share, fine_mesh, geometry, layout, passes, patches, storage, surroundings
 from . import colours as coloured
 from .collected import Collected, Shading
@@ -132,6 +133,8 @@ def baking(
         values = yield from aside(at, coloured.of, collected, before[0])
         shelf.show_new()
         coloured.write(values)
+        if isinstance(light, SceneLight):
+            world_lights.trace(bpy.context.scene.world, False)  # what Cycles did until now
         laid_out = {plan.obj.name for plan in plans}
         shelf.clear()
         # Others that were baked before now have the light of what stands here too.

@@ -100,6 +100,9 @@ def animating(
     if settings.shadows == DOME:
         settings = replace(settings, occlusion=OPEN)
         lines.append("animated under the open sky: live shadows hold the light of one moment")
+    if settings.traced:
+        settings = replace(settings, occlusion=OPEN)
+        lines.append("animated under the open sky: traced light has the colors of one moment")
     if settings.shadows == BAKED:
         settings = replace(settings, occlusion=BAKED)  # it does not follow each change by itself
     low, high = course.range

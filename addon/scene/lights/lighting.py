@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ....node_groups import light_probe
-from ....node_groups.skylight_surface import Features
+from ....node_groups import light_probe, skylight_surface
+from ....node_groups.skylight_surface import COLOR, Features
 from ...choices import BAKED, DOME, OPEN
 from ...grouping import grouped
 from ...sky.direct_sun import SunLight, restored_sun
@@ -17,6 +17,7 @@ from ...sky.dome import Dome, dome
 from ...sky.irradiance import fit_coefficients
 from ...sky.light import SkyLight
 from ...sky.polynomial import HIGHEST_DEGREE, evaluate_polynomial, raised
+from ...spectra.illuminants import D65
 from ...spectra.working_spaces import XYZ_to_working
 from ...transfer.ground import GroundLight, ground_light, is_grey, split
 from ...transfer.matrices import OWN, Transfer
@@ -27,6 +28,7 @@ from . import user_lamps as own_lamps
 from .user_lamps import Lamps
 
 BAKED_LIGHT = "all light is baked"
+TRACED_LIGHT = "Cycles traces the light; Eevee shows the open sky"
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,8 @@ class Lights:
     """What shines on a World's materials, found before anything changes.
 
     ``coefficients``: of the sky's irradiance without the ground's; ``spectra``: those of the lights
-    in `skylight_surface.LIGHTS` that there are, (81,) each.
+    in `skylight_surface.LIGHTS` that there are, (81,) each; ``traced``: whether Cycles traces all
+    light itself.
     """
 
     light: SkyLight
@@ -46,6 +49,7 @@ class Lights:
     lamps: Lamps | None = None
     dome: Dome | None = None
     spectra: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    traced: bool = False
 
     @property
     def features(self) -> Features:
@@ -70,6 +74,10 @@ class Lights:
             lines.append(self.ground.line)
         if self.lamps is not None and self.lamps.classes.line:
             lines.append(f"Eevee supports two lamp spectra: {self.lamps.classes.line}")
+        if self.traced and self.lamps is not None:
+            others = own_lamps.in_other_colours(self.lamps, self.transfer)
+            why = "Cycles traces its own color, not that of its spectrum"
+            lines += grouped(((name, why) for name in others), "lamp")
         if self.dome is not None:
             lines.append(
                 f"sky shadows from {len(self.dome.numbers)} soft sun lamps, only in Eevee "
@@ -80,6 +88,8 @@ class Lights:
     @property
     def caption(self) -> str:
         """What a picture must say as long as not all light is in it."""
+        if self.traced:
+            return TRACED_LIGHT
         shadows = {
             OPEN: "open sky: no shadows yet",
             BAKED: BAKED_LIGHT,
@@ -121,6 +131,8 @@ class Lights:
         for name in ("Lamp 1", "Lamp 2"):
             if name in found:
                 found[name] = found[name] * balanced_rgb(self.spectra[name], self.transfer)
+        # As long as nobody knows the light on a material.
+        found[COLOR] = prefiltered(rho, D65(), self.transfer.space)
         if self.lamps is not None and self.sun is None:
             # Cycles lights by one colour a material, see `sun_lamp.set_cycles_colour`.
             found["Sun"] = prefiltered(rho, self.spectra["Lamp 1"], self.transfer.space)
@@ -147,12 +159,13 @@ def find(
     with_sun: bool = True,
     ground: str | NDArray[np.float64] = "hdri",
     occlusion: str = OPEN,
+    traced: bool = False,
 ) -> Lights:
     """Return the lights of a sky beside a scene's ``lamps``, computed and checked.
 
     ``ground``: one of `transfer.ground.CHOICES`, or the reflectance (81,) of a modelled one, which
-    is grey's else; ``occlusion``: `OPEN`, `BAKED` or `DOME`. Raises InputError for an unknown
-    ground.
+    is grey's else; ``occlusion``: `OPEN`, `BAKED` or `DOME`; ``traced``: whether Cycles traces all
+    light itself. Raises InputError for an unknown ground.
     """
     spectra = {}
     sun = None
@@ -180,6 +193,7 @@ def find(
         lamps,
         dome(light.sky) if occlusion == DOME else None,
         spectra,
+        traced,
     )
 
 
@@ -217,8 +231,11 @@ def install(world: bpy.types.World, lights: Lights) -> None:
             light_group.set_probe(world, name, colour)
     for scene in scenes_of(world):
         if lights.sun is not None:
-            assert lights.light.sun is not None
-            sun_lamp.place(scene, lights.light.sun.direction, rgb, float(lights.light.sky.max()))
+            sun = lights.light.sun
+            assert sun is not None
+            clipped = np.maximum(rgb - sun.irradiance, 0.0) if lights.sun.clipped else None
+            sky = float(lights.light.sky.max())
+            sun_lamp.place(scene, sun.direction, rgb, sky, clipped)
         else:
             sun_lamp.remove(scene, (sun_lamp.SUN,))
         if lights.lamps is not None:
@@ -229,6 +246,20 @@ def install(world: bpy.types.World, lights: Lights) -> None:
             dome_lamps.place(scene, lights.dome)
         else:
             sun_lamp.remove(scene, (dome_lamps.DOME,))
+    trace(world, lights.traced)
+
+
+def is_traced(world: bpy.types.World) -> bool:
+    """Whether Cycles traces the light of a World's materials itself."""
+    surface = skylight_surface.find(world)
+    return surface is not None and skylight_surface.is_traced(surface)
+
+
+def trace(world: bpy.types.World, on: bool) -> None:
+    """Let Cycles trace the light of a World's materials itself, or show what they hold of it."""
+    light_group.trace(world, on)
+    for scene in scenes_of(world):
+        sun_lamp.trace(scene, on)
 
 
 def refresh(world: bpy.types.World) -> list[str]:

@@ -17,7 +17,9 @@ from mathutils import Vector
 from numpy.typing import NDArray
 
 from ....node_groups import light_probe
+from ....node_groups import tree as groups
 from ....node_groups.drivers import drive
+from ....node_groups.skylight_surface import TRACED
 from ... import tags
 from ..blend_data import kept
 from ..world import hdri as worlds
@@ -35,12 +37,13 @@ def place(
     direction: NDArray[np.float64],
     rgb: NDArray[np.float64],
     brightest_sky: float,
+    lacking: NDArray[np.float64] | None = None,
 ) -> None:
     """Give a scene the sun of its World: a lamp towards ``direction`` (3,) of the HDRI, up to date.
 
-    ``rgb`` (3,): the irradiance/π that it gives a face that looks at it. The lamp turns with the
-    World, also by keyframes; ``brightest_sky`` is the HDRI's largest value beside the sun. Raises
-    InputError where `hdri.sky_of` does.
+    ``rgb`` (3,): the irradiance/π that it gives a face that looks at it, ``lacking`` (3,): the part
+    that the HDRI has clipped. The lamp turns with the World, also by keyframes; ``brightest_sky``
+    is the HDRI's largest value beside the sun. Raises InputError where `hdri.sky_of` does.
     """
     world = scene.world
     sky = worlds.sky_of(world)
@@ -51,7 +54,8 @@ def place(
     lamp.data.angle = _DIAMETER
     lamp.data.energy = light_probe.STRENGTH
     lamp.rotation_euler = (-Vector(direction)).to_track_quat("-Z", "Y").to_euler()
-    set_cycles_colour(lamp, math.pi * np.asarray(rgb), 0)
+    lacking = None if lacking is None else math.pi * lacking
+    set_cycles_colour(lamp, math.pi * np.asarray(rgb), 0, lacking)
     _follow_strength(lamp.data, world, worlds.value_path(world, sky.background, "Strength"))
     _own_threshold(world, brightest_sky)
 
@@ -111,22 +115,42 @@ def new_lamp(
     return lamp
 
 
-def set_cycles_colour(lamp: bpy.types.Object, rgb: NDArray[np.float64], channel: int) -> None:
+def set_cycles_colour(
+    lamp: bpy.types.Object,
+    rgb: NDArray[np.float64],
+    channel: int,
+    lacking: NDArray[np.float64] | None = None,
+) -> None:
     """Give a lamp of the probe its true colour in Cycles, which alone reads a lamp's nodes.
 
-    ``rgb`` (3,): what Blender's energy times colour would be without the probe.
+    ``rgb`` (3,): what Blender's energy times colour would be without the probe; ``lacking`` (3,):
+    the part of it that is in none of the scene's own lights, for where Cycles traces those (see
+    `trace`); None: nothing.
     """
     light = lamp.data
     if not light.use_nodes:  # in Blender 5.0 lamps have no nodes of their own yet
         light.use_nodes = True
     tree = light.node_tree
     tree.nodes.clear()
-    emission = tree.nodes.new("ShaderNodeEmission")
-    output = tree.nodes.new("ShaderNodeOutputLight")
-    tree.links.new(emission.outputs[0], output.inputs["Surface"])
-    scale = light_probe.CYCLES_STRENGTH / light_probe.STRENGTH
-    true = [part * scale / (1.0 if k == channel else FAINT) for k, part in enumerate(rgb)]
-    emission.inputs["Color"].default_value = (*true, 1.0)
+    output = groups.add(tree, "ShaderNodeOutputLight")
+    traced = groups.add(tree, "ShaderNodeValue", name=TRACED, label=TRACED)
+    traced.outputs[0].default_value = 0.0
+    mix = groups.add(tree, "ShaderNodeMixShader", traced.outputs[0])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+    colour = np.where(np.arange(3) == channel, 1.0, FAINT) * light_probe.STRENGTH
+    own = np.zeros(3) if lacking is None else np.asarray(lacking)
+    for k, light in enumerate((np.asarray(rgb) * light_probe.CYCLES_STRENGTH, own)):
+        emission = groups.add(tree, "ShaderNodeEmission", (*(light / colour).tolist(), 1.0))
+        tree.links.new(emission.outputs[0], mix.inputs[1 + k])
+
+
+def trace(scene: bpy.types.Scene, on: bool) -> None:
+    """Let our lamps of a scene shine by what its own lack in Cycles, which traces those, or else as
+    our materials measure them."""
+    for obj in scene.objects:
+        tree = obj.data.node_tree if obj.type == "LIGHT" and tags.LAMP in obj else None
+        if tree is not None and TRACED in tree.nodes:  # an earlier version had none
+            tree.nodes[TRACED].outputs[0].default_value = float(on)
 
 
 def remove(scene: bpy.types.Scene, parts: Container[str]) -> None:
@@ -162,13 +186,13 @@ def _own_threshold(world: bpy.types.World, brightest_sky: float) -> None:
 
 
 def _follow_strength(light: bpy.types.Light, world: bpy.types.World, path: str | None) -> None:
-    emission = next(node for node in light.node_tree.nodes if node.type == "EMISSION")
-    strength = emission.inputs["Strength"]
-    if path is not None:
-        drive(strength, "default_value", world, path)
-        return
-    strength.driver_remove("default_value")
-    strength.default_value = 1.0
+    for emission in (node for node in light.node_tree.nodes if node.type == "EMISSION"):
+        strength = emission.inputs["Strength"]
+        if path is not None:
+            drive(strength, "default_value", world, path)
+        else:
+            strength.driver_remove("default_value")
+            strength.default_value = 1.0
 
 
 def _turn_with(pivot: bpy.types.Object, world: bpy.types.World, sky: worlds.WorldSky) -> None:

@@ -28,6 +28,9 @@ from .rendered_lamps import RenderedLamp
 
 TWIN = "twin"
 
+NOTICED = 0.02
+"""By which part a lamp's color is off where one would see it: CIEDE2000 1 or so."""
+
 
 def spectrum_of(light: bpy.types.Light) -> str:
     """What a lamp's spectrum is, as `transfer.lamps.lamp_spectrum` understands it; empty: color."""
@@ -100,6 +103,15 @@ def place(scene: bpy.types.Scene, lamps: Lamps, transfer: Transfer) -> None:
             drive(twin, path, lamp, path)
         spectrum = lamps.classes.spectra[kind]
         sun_lamp.set_cycles_colour(twin, balanced_rgb(spectrum, transfer), channel)
+
+
+def in_other_colours(lamps: Lamps, transfer: Transfer) -> list[str]:
+    """Names of the lamps whose own color is another than their spectrum's, by 2 % or more."""
+    own = lamps.colours / luminance(lamps.colours, transfer)[:, None]
+    kinds = lamps.classes.assignment.tolist()
+    spectra = [balanced_rgb(lamps.classes.spectra[kind], transfer) for kind in kinds]
+    off = np.abs(own - np.array(spectra)).max(axis=1) > NOTICED
+    return [one.name for one, other in zip(lamps.shining, off, strict=True) if other]
 
 
 def _stand(twin: bpy.types.Object, one: RenderedLamp) -> None:

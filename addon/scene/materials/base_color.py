@@ -10,7 +10,7 @@ import numpy as np
 from bpy.types import NodeSocket as Socket
 from numpy.typing import NDArray
 
-from ....node_groups import skylight_surface, spectral_matrix
+from ....node_groups import skylight_surface, spectral_matrix, spectral_texture
 from ...spectra.working_spaces import from_srgb, rec709_to_working
 from ...transfer.assignment import ESTIMATED, Assignment, estimate
 from ...transfer.prediction import rgb_albedo
@@ -102,12 +102,13 @@ def values(
 ) -> Mapping[str, Any]:
     """Return what `spectral_texture.set_values` wants of three reflectances (3, 81).
 
-    ``mean`` (81,): the material's own, by which baked light goes.
+    ``mean`` (81,): the material's own, by which baked and traced light go.
     """
     matrices = lights.transfer.matrices(reflectances)
     rows = {row: matrices[:, k] for k, row in enumerate(spectral_matrix.ROWS)}
     tint = lights.tint(lights.under_sky(matrices), mean)
-    return {**rows, **lights.reflected(reflectances), skylight_surface.TINT: tint}
+    found = {**rows, **lights.reflected(reflectances), skylight_surface.TINT: tint}
+    return {name: values for name, values in found.items() if name in spectral_texture.OUTPUTS}
 
 
 def mean_colour(colour: Socket | None) -> NDArray[np.float64] | None:

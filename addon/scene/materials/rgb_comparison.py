@@ -36,7 +36,10 @@ def surface(found: Lights, rho: NDArray[np.float64]) -> Values:
     """What RGB times RGB gives to the inputs of a surface of a reflectance (81,)."""
     rgb = rgb_albedo(rho, found.transfer.space)
     inputs: dict[str, Any] = {**_rows(rgb, found), **_lit(rgb, found)}
-    inputs[skylight_surface.TINT] = _tints(rgb[None], found, rho)[0]
+    tint = _tints(rgb[None], found, rho)[0]
+    inputs[skylight_surface.TINT] = tint
+    # Traced light is multiplied by both.
+    inputs[skylight_surface.COLOR] = rgb / np.where(np.abs(tint) < 1e-6, 1.0, tint)
     return {("surface", key): value for key, value in inputs.items()}
 
 

@@ -119,6 +119,13 @@ def update(
     _tell_engines_apart(material.node_tree, node)
 
 
+def set_color(material: bpy.types.Material, rgb: Sequence[float]) -> None:
+    """Give a managed material the RGB (3,) that Cycles multiplies light by where it traces it."""
+    node = surface_node(material)
+    if node is not None:
+        node.inputs[skylight_surface.COLOR].default_value = tuple(float(part) for part in rgb)
+
+
 def look_of(material: bpy.types.Material) -> shader_rewrite.Look:
     """What a material looks like without us; to be used at once, for it holds nodes."""
     outputs = material_outputs.before(material)
@@ -276,8 +283,9 @@ def _take_over(
 
 def _tell_engines_apart(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
     """Give Cycles an output of its own where the light probe, which only Eevee knows, is in use,
-    and over gloss, of which Eevee alone lacks some."""
+    where it traces the light, and over gloss, of which Eevee alone lacks some."""
     apart = skylight_surface.features_of(node.node_tree).probe
+    apart |= skylight_surface.is_traced(node.node_tree)
     apart |= any(n.get(tags.NODE) == "gloss" and "Base" in n.inputs for n in tree.nodes)
     outputs = material_outputs.shown(tree)
     added = next((n for n in tree.nodes if n.get(tags.NODE) == "Cycles"), None)

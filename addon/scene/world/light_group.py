@@ -63,6 +63,11 @@ def set_ground(world: bpy.types.World, coefficients: np.ndarray) -> None:
     _set(ground, coefficients, sky_irradiance.GROUND_DEGREE)
 
 
+def trace(world: bpy.types.World, on: bool) -> None:
+    """Let Cycles trace a World's light itself, or show what its groups hold of it."""
+    skylight_surface.trace(ensure(world), on)
+
+
 def set_probe(world: bpy.types.World, name: str, rgb: np.ndarray) -> None:
     """Give a World's light probe the RGB of its `light_probe.SUN`, `GREEN` or `BLUE`."""
     light_probe.set_colour(skylight_surface.part(ensure(world), skylight_surface.PROBE), name, rgb)

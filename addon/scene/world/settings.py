@@ -13,7 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import tags
-from ...choices import ALL_LIGHT, AUTO, BAKED, BASIS, GROUNDS, OCCLUSIONS, OPEN, SIMPLEST, default
+from ...choices import (
+    ALL_LIGHT,
+    AUTO,
+    BAKED,
+    BASIS,
+    GROUNDS,
+    OCCLUSIONS,
+    OPEN,
+    SIMPLEST,
+    TRACED,
+    default,
+)
 from ...sky.light import SkyLight
 from ...spectra import sensitivities
 from ...transfer.choice import Choice, choose_with
@@ -77,7 +88,14 @@ class Settings:
         less is enough."""
         if self.is_choosing and self.least is not None:
             return self.least
+        if self.occlusion == TRACED:
+            return OPEN
         return BAKED if self.occlusion in ALL_LIGHT else self.occlusion
+
+    @property
+    def traced(self) -> bool:
+        """Whether Cycles traces the light itself."""
+        return self.occlusion == TRACED
 
     @property
     def is_choosing(self) -> bool:

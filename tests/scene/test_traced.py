@@ -1,0 +1,201 @@
+"""Light that Cycles traces by itself, with the color of each material in the light on it."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+
+from spectral_skylight.addon import tags
+from spectral_skylight.addon.progress import run
+from spectral_skylight.addon.scene import out_of_date, use_cases
+from spectral_skylight.addon.scene.bake import traced_colors
+from spectral_skylight.addon.scene.explain import explain
+from spectral_skylight.addon.scene.lights import user_lamps
+from spectral_skylight.addon.scene.materials import rgb_comparison, spectral_material
+from spectral_skylight.addon.scene.use_cases import light as lighting
+from spectral_skylight.addon.scene.world import light_group
+from spectral_skylight.addon.scene.world.settings import Settings
+from spectral_skylight.addon.sky.lat_long import directions
+from spectral_skylight.addon.sky.panorama import write_panorama
+from spectral_skylight.addon.spectra.sensitivities import observer
+from spectral_skylight.addon.transfer.assignment import Assignment
+from spectral_skylight.addon.transfer.prediction import rgb_albedo
+from spectral_skylight.addon.transfer.prefilter import prefiltered
+from spectral_skylight.node_groups import skylight_surface
+from spectral_skylight.tests import faces
+from spectral_skylight.tests.lanes import newest
+
+pytestmark = pytest.mark.blender
+
+GREEN = np.exp(-(((np.linspace(380, 780, 81) - 540) / 60) ** 2)) * 0.4 + 0.15
+RAMP = np.linspace(0.2, 0.9, 81)
+TRACED = Settings(occlusion="traced")
+BLUE_SKY, GROUND = np.array([0.3, 0.5, 0.9]), np.array([0.12, 0.12, 0.12])
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """A floor 8 wide seen from above, a quarter of its picture, under an even blue sky."""
+    scene = faces.empty_scene()
+    up = directions(32, 64)[..., 2:] > 0
+    write_panorama(tmp_path / "sky.exr", np.where(up, BLUE_SKY, GROUND))
+    use_cases.set_sky(scene, tmp_path / "sky.exr", Settings())
+    bpy.ops.mesh.primitive_plane_add(size=8)
+    bpy.context.object.data.materials.append(bpy.data.materials.new("Floor"))
+    faces.watch(scene, (0.0, 0.0), 4.0)
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.cycles.samples = 256
+    return scene
+
+
+def traced(scene, folder, rho=GREEN, settings=TRACED):
+    """What was found of the sky, and the mean color of the floor in Cycles."""
+    material = bpy.data.materials["Floor"]
+    light = use_cases.make_spectral(scene, {material: Assignment("test", rho)}, settings).light
+    return light, faces.picture(scene, folder, "cycles")[..., :3].mean(axis=(0, 1))
+
+
+def test_one_light_is_exact(scene, tmp_path):
+    """Under one spectrum RGB × RGB by the color in it is what the matrix gives."""
+    light, seen = traced(scene, tmp_path)
+    M = TRACED.transfer(light).matrices(GREEN)
+    # 16,384 samples of an even sky.
+    np.testing.assert_allclose(seen, M @ light.faces[0], rtol=5e-3)
+    today = prefiltered(GREEN, user_lamps.lamp_spectrum("D65")) * light.faces[0]
+    assert np.abs(today / seen - 1.0).max() > 0.03  # which the color under D65 would miss
+    assert "Cycles traces" in light_group.record_of(scene.world).caption
+
+
+def test_a_lamp_lights_by_its_spectrum(scene, tmp_path):
+    """A lamp of the color of its spectrum lights as that does; one of another color is told of."""
+    scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.0
+    lamp = bpy.data.objects.new("Lamp", bpy.data.lights.new("Lamp", "POINT"))
+    lamp.data.energy, lamp.data.shadow_soft_size, lamp.location = 100.0, 0.0, (0.0, 0.0, 20.0)
+    scene.collection.objects.link(lamp)
+    bpy.context.view_layer.update()
+    x = (np.arange(8) - 3.5) / 2.0
+    aslant = ((1.0 + (x[:, None] ** 2 + x**2) / 20.0**2) ** -2.0).mean()
+    # What sixteen bands tell of a spectrum of lines is not all.
+    for spectrum, tolerance in (("2700K", 5e-3), ("FL11", 0.06)):
+        own = user_lamps.lamp_spectrum(spectrum)
+        rgb = observer() @ own
+        lamp.data[tags.LAMP_SPECTRUM], lamp.data.color = spectrum, rgb / rgb.max()
+        lamp.data.energy = 100.0 * rgb.max()  # a lamp's color goes up to 1
+        _, seen = traced(scene, tmp_path)
+        # 100 / (4 pi^2) radiance of a white face at a distance of 1.
+        expected = 100 / (4 * math.pi**2) / 20.0**2 * aslant * observer() @ (GREEN * own)
+        np.testing.assert_allclose(seen, expected, rtol=tolerance)
+        assert "its own color" not in " ".join(light_group.record_of(scene.world).lights)
+    lamp.data.color = 1.0, 1.0, 1.0
+    traced(scene, tmp_path)
+    assert "Lamp: Cycles traces its own color" in " ".join(
+        light_group.record_of(scene.world).lights
+    )
+
+
+def room():
+    """A closed room of one material with a lamp in it, 4 x 3 x 2.5."""
+    bpy.ops.mesh.primitive_cube_add(size=1, location=(0.0, 0.0, 40.0))
+    box = bpy.context.object
+    box.scale = 4.0, 3.0, 2.5
+    box.data.flip_normals()
+    box.data.materials.append(bpy.data.materials.new("Walls"))
+    lamp = bpy.data.objects.new("Inside", bpy.data.lights.new("Inside", "POINT"))
+    lamp.data.energy, lamp.location = 60.0, (0.4, 0.3, 40.2)
+    lamp.data[tags.LAMP_SPECTRUM] = "3000K"
+    bpy.context.scene.collection.objects.link(lamp)
+    return bpy.data.materials["Walls"]
+
+
+@newest
+def test_colors_are_those_in_all_light(scene):
+    """In a closed room of one reflectance the light on its walls is the lamp's over 1 - rho."""
+    walls = room()
+    bpy.context.view_layer.update()
+    given = {walls: Assignment("ramp", RAMP), bpy.data.materials["Floor"]: Assignment("g", GREEN)}
+    use_cases.make_spectral(scene, given, TRACED)
+    shining = run(lighting.shining_on(scene, TRACED))
+    found = run(traced_colors.finding(shining, "Linear Rec.709"))
+    expected = prefiltered(RAMP, user_lamps.lamp_spectrum("3000K") / (1.0 - RAMP))
+    # Sixteen bands of a smooth spectrum; the first reflection alone would be off by 0.04.
+    np.testing.assert_allclose(found["Walls"], expected, atol=5e-3)
+    alone = prefiltered(RAMP, user_lamps.lamp_spectrum("3000K"))
+    assert np.abs(alone - expected).max() > 0.03
+    node = spectral_material.surface_node(walls)
+    shown = np.array(node.inputs[skylight_surface.COLOR].default_value)
+    np.testing.assert_allclose(shown, found["Walls"], atol=1e-6)
+
+
+def test_other_light_ends_it(scene, tmp_path):
+    """Under the open sky Cycles shows the matrix again; a removed material has one output."""
+    _, seen = traced(scene, tmp_path)
+    surface = skylight_surface.find(scene.world)
+    assert skylight_surface.is_traced(surface)
+    _, opened = traced(scene, tmp_path, settings=Settings(occlusion="open"))
+    assert not skylight_surface.is_traced(surface)
+    # By the polynomial, which leaves 0.5 % at a hard horizon.
+    np.testing.assert_allclose(opened, seen, rtol=0.01)
+    material = bpy.data.materials["Floor"]
+    spectral_material.remove(material)
+    assert sum(node.type == "OUTPUT_MATERIAL" for node in material.node_tree.nodes) == 1
+
+
+def test_a_clipped_sun_is_as_strong_as_estimated(tmp_path):
+    """The lamp adds what the HDRI's disc has lost."""
+    scene = faces.empty_scene()
+    towards = directions(256, 512)
+    sky = np.where(towards[..., 2:] > 0, BLUE_SKY, GROUND)
+    sun = np.array([math.cos(0.9), 0.0, math.sin(0.9)])
+    sky = np.where((towards @ sun > math.cos(math.radians(0.6)))[..., None], 400.0, sky)
+    write_panorama(tmp_path / "clipped.exr", sky)
+    use_cases.set_sky(scene, tmp_path / "clipped.exr", Settings())
+    bpy.ops.mesh.primitive_plane_add(size=8)
+    bpy.context.object.data.materials.append(bpy.data.materials.new("Floor"))
+    faces.watch(scene, (0.0, 0.0), 4.0)
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.cycles.samples = 256
+    scene.world.cycles.sampling_method = "MANUAL"
+    scene.world.cycles.sample_map_resolution = 1024
+    light, seen = traced(scene, tmp_path, np.full(81, 0.5))
+    assert light.sun is not None
+    assert "clips" in " ".join(light_group.record_of(scene.world).lights)
+    opened = traced(scene, tmp_path, np.full(81, 0.5), Settings(occlusion="open"))[1]
+    assert opened.sum() > 1.5 * 0.5 * (light.faces[0] + light.sun.irradiance * sun[2]).sum()
+    # What Cycles finds of a disc of some pixels, by chance.
+    np.testing.assert_allclose(seen, opened, rtol=0.03)
+
+
+@newest
+def test_cycles_traces_until_light_is_baked(scene, tmp_path):
+    """In a scene that Cycles renders, a first light is there at once; the baked one takes over."""
+    bpy.ops.mesh.primitive_cube_add(size=2, location=(0.0, 3.0, 1.0))
+    bpy.context.object.data.materials.append(bpy.data.materials["Floor"])
+    bpy.context.view_layer.update()
+    scene.cycles.max_bounces = 8
+    _, opened = traced(scene, tmp_path, settings=Settings(occlusion="open"))
+    scene.render.engine = "CYCLES"
+    surface = skylight_surface.find(scene.world)
+    _, seen = traced(scene, tmp_path, settings=Settings())
+    assert skylight_surface.is_traced(surface)
+    assert "Cycles traces" in out_of_date.caption(scene)
+    assert np.all(seen < 0.97 * opened)  # the cube hides some of the sky
+    run(lighting.bake(scene, Settings()))
+    assert not skylight_surface.is_traced(surface)
+    assert "all light is baked" in out_of_date.caption(scene)
+    baked = faces.picture(scene, tmp_path, "cycles")[..., :3].mean(axis=(0, 1))
+    # In red, of which the paint has little, RGB × RGB is 0.4 % of the light off after a reflection.
+    np.testing.assert_allclose(baked, seen, rtol=0.01, atol=1e-3)
+    traced(scene, tmp_path, settings=Settings())
+    assert not skylight_surface.is_traced(surface)  # another paint does not bring it back
+
+
+def test_rgb_beside_it_has_the_color_under_D65(scene, tmp_path):
+    """Today's way in traced light: the color under D65 times the sky's."""
+    light, _ = traced(scene, tmp_path)
+    found = explain(scene, bpy.data.materials["Floor"])
+    assert "Color in traced light" in {step.name for step in found.steps}
+    assert not any("press Update" in line for line in found.suspicious), found.suspicious
+    rgb_comparison.show(rgb_comparison.RGB)
+    seen = faces.picture(scene, tmp_path, "cycles")[..., :3].mean(axis=(0, 1))
+    np.testing.assert_allclose(seen, rgb_albedo(GREEN) * light.faces[0], rtol=5e-3)
