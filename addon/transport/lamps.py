@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import directions
-from .cells import Cells
+from .beams import Columns
 from .hits import Space
 
 
@@ -31,6 +31,8 @@ class Direct:
     """(2, 3): the half sides of one that is flat, which shines by the cosine to one side."""
     radius: float = 0.0
     """Of a ball."""
+    but: Columns | None = None
+    """Where light of a far one is left out."""
 
     def seen_from(self, origin: NDArray[np.float64]) -> Direct:
         """Return the same lamp where places are relative to an origin (3,)."""
@@ -49,6 +51,8 @@ def shine(
     if lamp.place is None:
         ways = np.broadcast_to(np.asarray(lamp.direction, np.float32), starts.shape)
         far, strength = None, np.ones(len(starts), np.float32)
+        if lamp.but is not None:
+            strength[lamp.but.holds(starts)] = 0.0
     else:
         place = np.broadcast_to(lamp.place, starts.shape)
         if lamp.area is not None:
@@ -78,25 +82,19 @@ def shine(
     return result
 
 
-def sent(lamp: Direct, cells: Cells, rays: int, rng: np.random.Generator):
-    """Rays of a lamp: their starts and directions (n, 3), and of how much flux each is [a lamp's
-    strength times area]."""
-    if lamp.place is None:
-        ends = cells.corners.reshape(-1, 3)
-        middle, radius = (ends.min(axis=0) + ends.max(axis=0)) / 2.0, 0.87 * cells.size
-        side = int(np.sqrt(rays))
-        grid = (np.indices((side, side)).reshape(2, -1).T + rng.random((side**2, 2))) / side
-        across = directions.frames(np.asarray(lamp.direction)[None])[0]
-        starts = (2.0 * radius * grid - radius) @ across[:2] + middle + 2.0 * radius * across[2]
-        ways, flux = np.repeat(-across[2:], side**2, axis=0), (2.0 * radius / side) ** 2
-    else:
-        z = 1.0 - (np.arange(rays) + 0.5) / rays * (1.0 - lamp.cone[0])
-        turn = np.arange(rays) * np.pi * (3.0 - 5.0**0.5)
-        root = np.sqrt(1.0 - z * z)
-        pattern = np.stack([root * np.cos(turn), root * np.sin(turn), z], axis=1)
-        ways = directions.about(np.asarray(lamp.direction)[None], pattern.astype(np.float32))[0]
-        starts = np.repeat(lamp.place[None], rays, axis=0)
-        if lamp.area is not None:
-            starts = starts + (rng.random((rays, 2)) * 2.0 - 1.0) @ lamp.area
-        flux = 2.0 * np.pi * (1.0 - lamp.cone[0]) / rays
+def sent(
+    lamp: Direct, rays: int, rng: np.random.Generator
+) -> tuple[NDArray[np.float32], NDArray[np.float32], float]:
+    """Return rays of a lamp that is near: their starts and directions (n, 3), and of how much flux
+    each is [its strength times area]."""
+    assert lamp.place is not None
+    z = 1.0 - (np.arange(rays) + 0.5) / rays * (1.0 - lamp.cone[0])
+    turn = np.arange(rays) * np.pi * (3.0 - 5.0**0.5)
+    root = np.sqrt(1.0 - z * z)
+    pattern = np.stack([root * np.cos(turn), root * np.sin(turn), z], axis=1)
+    ways = directions.about(np.asarray(lamp.direction)[None], pattern.astype(np.float32))[0]
+    starts = np.repeat(lamp.place[None], rays, axis=0)
+    if lamp.area is not None:
+        starts = starts + (rng.random((rays, 2)) * 2.0 - 1.0) @ lamp.area
+    flux = 2.0 * np.pi * (1.0 - lamp.cone[0]) / rays
     return starts.astype(np.float32), np.ascontiguousarray(ways, np.float32), flux

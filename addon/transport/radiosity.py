@@ -9,11 +9,13 @@ light, costs a look-up of the table alone.
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import directions
+from .beams import Columns
 from .cells import Matter
 from .even import even
 from .hits import Growing, Hits, Space, gather
@@ -56,6 +58,8 @@ class Radiosity:
         self.side = np.concatenate([np.ones(cells.patches), -np.ones(len(backs))])
         self.row = np.where(self.side > 0, self.patch, self.patch + cells.patches)
         """(r,), its row in the table."""
+        self._side_of = np.full(space.rows, -1)
+        self._side_of[self.row] = np.arange(len(self.row))
         self.hits = Hits(np.empty((0, 1), np.int32))
         self.sought = Sought.none()
         """What comes to the sides from small emitters."""
@@ -140,7 +144,7 @@ class Radiosity:
 
         Half as many more in all, where they lessen the error of all that is sent on most (J.
         Neyman 1934, DOI 10.2307/2342192). What one cell of a triangle tells of a beam that others
-        may have missed counts for all.
+        may have missed counts for all. Thin beams of the sun are counted by rays from it.
         """
         rng = np.random.default_rng(2)
         result = np.zeros_like(self.E)
@@ -150,15 +154,15 @@ class Radiosity:
         least = max(starts, min(MOST_STARTS // 4, LEAST_RAYS // len(sides)))
         starts = 2 ** int(np.log2(least))
         spread = np.zeros(len(sides))
+        lamps, *found = self._found_from(lamps, starts * len(sides) // 8)
         for done in self._lit(lamps, starts, sides, rng, result, spread):
             yield 0.5 * done
-        np.maximum.at(spread, *self._found_from(lamps, starts * len(sides) // 8, rng))
+        np.maximum.at(spread, *found)
         group = cells.triangle[cells.first][self.patch]
         most = np.zeros(len(cells.level))
         np.maximum.at(most, group, spread)
         # What is once in a patch of which nothing was seen is as uncertain as the first that was.
-        areas = np.bincount(cells.patch, cells.areas, cells.patches)[self.patch]
-        need = areas * np.maximum(spread, most[group] / np.sqrt(starts))
+        need = self._areas * np.maximum(spread, most[group] / np.sqrt(starts))
         share = need / max(float(need.sum()), 1e-30)
         wanted = share * max(starts * len(sides) / 2, LEAST_RAYS) / starts
         level = np.floor(np.log2(np.maximum(wanted, 1e-9)))
@@ -167,24 +171,67 @@ class Radiosity:
             chosen = np.flatnonzero(level == each)
             for done in self._lit(lamps, starts * 2**each, chosen, rng, result, spread):
                 yield 0.5 + 0.5 * (each - 1 + done) / int(level.max())
+        for lamp in lamps:
+            if lamp.but is not None:
+                self._add_beams(lamp, lamp.but, result)
         return result
 
-    def _found_from(self, lamps, rays, rng) -> tuple[NDArray, NDArray]:
-        """Sides (k,) that so many rays from lamps meet, and what light (k,) each ray brings: a thin
-        beam is a small part of each side that it falls on, but of the lamp's light as any other."""
-        space, cells = self.space, self.space.cells
+    def _found_from(self, lamps, rays) -> tuple[list[Direct], NDArray, NDArray]:
+        """Return lamps without thin beams, and sides (k,) that so many rays from them meet, and
+        what light (k,) each ray brings: a beam may be a small part of each side that it falls on,
+        but is of the lamp's light as any other."""
+        rng = np.random.default_rng(3)
         each = max(rays, LEAST_RAYS // 2) // len(lamps)
-        side_of = np.full(space.rows, -1)
-        side_of[self.row] = np.arange(len(self.row))
-        areas = np.bincount(cells.patch, cells.areas, cells.patches)[self.patch]
-        found: list[tuple[NDArray, NDArray]] = []
+        areas = np.maximum(self._areas, 1e-30)
+        others, sides, light = [], [], []
         for lamp in lamps:
-            starts, ways, flux = sent(lamp, cells, each, rng)
-            met = side_of[space.trace(starts, ways)[0]]
+            if lamp.place is None:
+                columns = Columns.over(lamp.direction, self.space.cells, int(np.sqrt(each)))
+                starts, ways, flux = columns.rays(1, rng)
+                met = self._met(starts, ways)
+                facing = self.side * (self._normals @ np.asarray(lamp.direction))
+                thin = columns.thin(met, areas * facing / flux, self._met, rng)
+                lamp = replace(lamp, but=thin) if thin.within.any() else lamp
+            else:
+                starts, ways, flux = sent(lamp, each, rng)
+                met = self._met(starts, ways)
             met = met[met >= 0]
-            found.append((met, lamp.spectrum.mean() * flux / np.maximum(areas[met], 1e-30)))
-        sides, light = zip(*found, strict=True)
-        return np.concatenate(sides), np.concatenate(light)
+            others.append(lamp)
+            sides.append(met)
+            light.append(lamp.spectrum.mean() * flux / areas[met])
+        return others, np.concatenate(sides), np.concatenate(light)
+
+    def _add_beams(self, lamp, columns, result) -> None:
+        """Add what a lamp sends in columns to the sides (r, 16) that its rays end in."""
+        starts, ways, flux = columns.rays(columns.each, np.random.default_rng(5))
+        rows, odd, passed = self.space.trace(starts, ways)
+        sides = self._side_of[rows]
+        through = np.ones((len(rows), 1), np.float32)
+        if len(odd):
+            through = np.repeat(through, result.shape[1], axis=1)
+            through[odd] = np.array(self.space.filters)[passed]
+        found = np.flatnonzero(sides >= 0)
+        sides = sides[found]
+        share = flux / np.maximum(self._areas * self.counts.mean(axis=1), 1e-30)[sides]
+        light = share[:, None] * through[found]
+        for band in range(result.shape[1]):
+            column = light[:, min(band, light.shape[1] - 1)]
+            result[:, band] += lamp.spectrum[band] * np.bincount(sides, column, len(result))
+
+    @property
+    def _areas(self) -> NDArray[np.float64]:
+        """Of sides, (r,)."""
+        cells = self.space.cells
+        return np.bincount(cells.patch, cells.areas, cells.patches)[self.patch]
+
+    @property
+    def _normals(self) -> NDArray[np.float32]:
+        """Of the patches of sides, (r, 3)."""
+        return self.space.cells.normals[self.space.cells.first[self.patch]]
+
+    def _met(self, starts, ways) -> NDArray[np.int64]:
+        """Which sides rays (n, 3), (n, 3) end in, -1 for none."""
+        return self._side_of[self.space.trace(starts, ways)[0]]
 
     def _lit(self, lamps, starts, sides, rng, result, spread) -> Iterator[float]:
         """Find the light (r, 16) of lamps on some sides (k,), and by how much single places differ
@@ -246,7 +293,7 @@ class Radiosity:
         return table, tells, sweeps
 
     def _spread(self, sky, direct, tells, near=None):
-        space, fronts = self.space, self.space.cells.patches
+        space = self.space
         filters = np.array(space.filters) if space.filters else None
         table = np.zeros((space.rows, sky.shape[1]), np.float32)
         # Rays through panes have the row `dark`, which tells.
@@ -262,7 +309,7 @@ class Radiosity:
         first = direct + arriving() + self.sought.light(space, table, len(direct))
         E = first if near is None else near
         table[space.sky : space.lost] = 0.0
-        areas = np.bincount(space.cells.patch, space.cells.areas, fronts)[self.patch]
+        areas = self._areas
         sweep = 0
         while sweep < MOST:
             sweep += 1
