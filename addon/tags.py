@@ -37,6 +37,8 @@ LIGHT = "spectral_skylight_description"
 """On a World's group: what was found in its sky, as JSON."""
 SUN_THRESHOLD = "spectral_skylight_sun_threshold"
 """On a World: its own Sun Threshold, which is ours meanwhile."""
+SKY_MAP = "spectral_skylight_sky_map"
+"""On a World: the columns of Cycles' map of its sky, which are ours while Cycles traces light."""
 
 OWN_WORLD = "spectral_skylight_own"
 """On a World that we made …"""

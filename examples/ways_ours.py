@@ -20,9 +20,6 @@ from spectral_skylight.node_groups import baked_light
 
 WIDE = "Linear Rec.2020"
 
-SUN = 2048
-"""Columns of the sky in which Cycles finds the sun of an HDRI: 0.53 degrees are three of them."""
-
 
 def ours(occlusion: str, engine: str, rays: int | None = None) -> Way:
     """The add-on under the open sky, live, or with all light by so many rays (None: its own)."""
@@ -68,7 +65,8 @@ def traced(samples: int, denoise: bool = False, wide: bool = False) -> Way:
         while len(groups):  # which cost nobody time who needs none
             bpy.ops.scene.view_layer_remove_lightgroup()
         with clock:
-            picture = cycles(ready, samples, denoise, sky=SUN)["Combined"]
+            sky = scene.world.cycles.sample_map_resolution  # as the add-on has it
+            picture = cycles(ready, samples, denoise, sky=sky)["Combined"]
         if wide:
             picture = picture @ np.linalg.inv(rec709_to_working(WIDE)).T
         yield Shot(picture, setup.seconds + clock.seconds, setup.seconds, {}, megabytes())

@@ -129,15 +129,21 @@ def test_colors_are_those_in_all_light(scene):
 
 def test_other_light_ends_it(scene, tmp_path):
     """Under the open sky Cycles shows the matrix again; a removed material has one output."""
+    own = scene.world.cycles
+    before = own.sampling_method, own.sample_map_resolution
     _, seen = traced(scene, tmp_path)
     surface = skylight_surface.find(scene.world)
     assert skylight_surface.is_traced(surface)
+    assert (own.sampling_method, own.sample_map_resolution) == ("MANUAL", 256)
     _, opened = traced(scene, tmp_path, settings=Settings(occlusion="open"))
     assert not skylight_surface.is_traced(surface)
+    assert (own.sampling_method, own.sample_map_resolution) == before
     # By the polynomial, which leaves 0.5 % at a hard horizon.
     np.testing.assert_allclose(opened, seen, rtol=0.01)
     material = bpy.data.materials["Floor"]
+    traced(scene, tmp_path)
     spectral_material.remove(material)
+    assert (own.sampling_method, own.sample_map_resolution) == before
     assert sum(node.type == "OUTPUT_MATERIAL" for node in material.node_tree.nodes) == 1
 
 
@@ -155,8 +161,6 @@ def test_a_clipped_sun_is_as_strong_as_estimated(tmp_path):
     faces.watch(scene, (0.0, 0.0), 4.0)
     scene.render.resolution_x = scene.render.resolution_y = 8
     scene.cycles.samples = 256
-    scene.world.cycles.sampling_method = "MANUAL"
-    scene.world.cycles.sample_map_resolution = 1024
     light, seen = traced(scene, tmp_path, np.full(81, 0.5))
     assert light.sun is not None
     assert "clips" in " ".join(light_group.record_of(scene.world).lights)

@@ -22,7 +22,7 @@ from ...spectra.working_spaces import XYZ_to_working
 from ...transfer.ground import GroundLight, ground_light, is_grey, split
 from ...transfer.matrices import OWN, Transfer
 from ...transfer.prefilter import balanced_rgb, prefiltered
-from ..world import light_group, view_transform
+from ..world import light_group, sky_sampling, view_transform
 from . import dome_lamps, light_linking, sun_lamp
 from . import user_lamps as own_lamps
 from .user_lamps import Lamps
@@ -247,6 +247,8 @@ def install(world: bpy.types.World, lights: Lights) -> None:
         else:
             sun_lamp.remove(scene, (dome_lamps.DOME,))
     trace(world, lights.traced)
+    if lights.traced:
+        sky_sampling.own(world, lights.light.sun is not None)
 
 
 def is_traced(world: bpy.types.World) -> bool:
@@ -260,6 +262,8 @@ def trace(world: bpy.types.World, on: bool) -> None:
     light_group.trace(world, on)
     for scene in scenes_of(world):
         sun_lamp.trace(scene, on)
+    if not on:
+        sky_sampling.release(world)
 
 
 def refresh(world: bpy.types.World) -> list[str]:
@@ -289,6 +293,7 @@ def remove(world: bpy.types.World) -> None:
     for scene in scenes_of(world):
         clear(scene)
     sun_lamp.release_threshold(world)
+    sky_sampling.release(world)
 
 
 def clear(scene: bpy.types.Scene) -> None:
