@@ -140,8 +140,6 @@ class Sent:
         part of the rays (k,) tells anything, yielding 0 to 1. ``open_light`` (k, 16): the sky's
         where nothing hides it."""
         space = self.space
-        filters = np.array(space.filters) if space.filters else None
-        wide = None if filters is None else np.concatenate([filters, filters[:, :1]], axis=1)
         above = np.zeros_like(self.table)
         sky = above[space.sky : space.lost] = self.table[space.sky : space.lost]
         surfaces = np.concatenate([self.table - above, self.tells[:, None]], axis=1)
@@ -152,6 +150,9 @@ class Sent:
         more = directions.ratios(sky, open_light, places.normals, pattern)
         result, unbounced, told = np.empty(more.shape), np.zeros(more.shape), np.empty(len(more))
         for part, hits in space.look(places.at, places.normals, pattern, sought=True):
+            # Rays may pass panes as none has before.
+            filters = np.array(space.filters) if space.filters else None
+            wide = None if filters is None else np.concatenate([filters, filters[:, :1]], axis=1)
             sums = gather(hits, surfaces, wide)
             told[part] = sums[:, -1]
             unbounced[part] = more[part] * gather(hits, above, filters)

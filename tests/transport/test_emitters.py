@@ -212,10 +212,11 @@ def test_ten_thousand_emitters_cost_as_many_rays_as_one(monkeypatch):
     """Of many some are chosen for each place, those that send it most first."""
     rng = np.random.default_rng(5)
     middles = rng.uniform((-20, -20, 2), (20, 20, 3), (10_000, 3))
+    count = 500
     many = np.concatenate([sheet(each, [0.02, 0, 0], [0, -0.02, 0])[:1] for each in middles])
     found = space(sheet([0, 0, 0], [20, 0, 0], [0, 20, 0]), many)
     assert len(found.emitters) == 10_000
-    places = np.append(rng.uniform(-18, 18, (2000, 2)), np.full((2000, 1), 1e-4), axis=1)
+    places = np.append(rng.uniform(-18, 18, (count, 2)), np.full((count, 1), 1e-4), axis=1)
     cast, trace = [], Space.trace
 
     def counted(self, origins, *args, **more):
@@ -223,12 +224,12 @@ def test_ten_thousand_emitters_cost_as_many_rays_as_one(monkeypatch):
         return trace(self, origins, *args, **more)
 
     monkeypatch.setattr(Space, "trace", counted)
-    starts, normals = places.astype(np.float32), np.tile(UP, (2000, 1)).astype(np.float32)
+    starts, normals = places.astype(np.float32), np.tile(UP, (count, 1)).astype(np.float32)
     come = seek(found, starts, normals, 64)
-    assert sum(cast) <= 64 * 2000
+    assert sum(cast) <= 64 * count
     to = many.mean(axis=1) - places[:, None]
     exact = (to[..., 2] ** 2 / (to**2).sum(axis=2) ** 2).sum(axis=1) * 0.0008 / np.pi
-    off = come.light(found, emitted(found), 2000)[:, 0] / exact - 1.0
+    off = come.light(found, emitted(found), count)[:, 0] / exact - 1.0
     # 64 rays of 256 lamps of 10,000. In the mean it is right.
     assert np.abs(off).mean() < 0.1
     assert abs(off.mean()) < 0.01
@@ -251,10 +252,10 @@ def test_a_meter_and_places_of_a_picture_have_the_same_light():
     assert spot.bands[0, 0] == pytest.approx(1.0)
     seen = Places(places.astype(np.float32), up.astype(np.float32), np.zeros(len(places), int))
     sent = Sent(found, table, tells)
-    for bounced in (True, False):
-        work = sent.light(seen, 256, np.zeros((len(places), COUNT)), bounced)
-        try:
-            while True:
-                next(work)
-        except StopIteration as end:
-            np.testing.assert_allclose(end.value[0][:, 0], exact, rtol=5e-3)
+    work = sent.light(seen, 256, np.zeros((len(places), COUNT)))
+    try:
+        while True:
+            next(work)
+    except StopIteration as end:
+        for light_there in end.value[:2]:  # all of it, and what has not bounced
+            np.testing.assert_allclose(light_there[:, 0], exact, rtol=5e-3)
