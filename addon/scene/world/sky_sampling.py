@@ -1,7 +1,8 @@
 """How finely Cycles looks for what is bright in a World's sky: ours while it traces the light.
 
 Left to itself Cycles draws a map of 4096 columns or more before each render, which takes over a
-second of a processor. A disc of the sun needs no more than three columns to be found.
+second of a processor. The sun's disc, 0.53 degrees, is three of 2048 columns. Where it is as small
+in the HDRI's own pixels, those of the map must begin and end with them: else Cycles looks beside it.
 """
 
 from __future__ import annotations
@@ -10,9 +11,12 @@ import bpy
 
 from ... import tags
 from ..blend_data import kept
+from . import hdri
 
-SUNNY, SUNLESS = 2048, 256
-"""Columns of the map: the sun is 0.53 degrees wide."""
+LEAST, MOST = 2048, 4096
+"""Columns of the map where there is a sun …"""
+SUNLESS = 256
+"""… and where there is none."""
 
 
 def own(world: bpy.types.World, sunny: bool) -> None:
@@ -23,7 +27,7 @@ def own(world: bpy.types.World, sunny: bool) -> None:
     if tags.SKY_MAP not in world:
         world[tags.SKY_MAP] = cycles.sample_map_resolution
     cycles.sampling_method = "MANUAL"
-    cycles.sample_map_resolution = SUNNY if sunny else SUNLESS
+    cycles.sample_map_resolution = _columns(hdri.sky_of(world).image) if sunny else SUNLESS
 
 
 def release(world: bpy.types.World) -> None:
@@ -36,3 +40,12 @@ def release(world: bpy.types.World) -> None:
         cycles.sample_map_resolution = int(before)
     cycles.sampling_method = "AUTOMATIC"
     del world[tags.SKY_MAP]
+
+
+def _columns(image: bpy.types.Image | None) -> int:
+    """A multiple of an image's columns, twice as many at least of a small one; `MOST` at most."""
+    width = 0 if image is None else int(image.size[0])
+    if not width:
+        return LEAST
+    times = max(-(-LEAST // width), 2)
+    return min(times * width, MOST)
