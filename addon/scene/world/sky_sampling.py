@@ -2,7 +2,7 @@
 
 Left to itself Cycles draws a map of 4096 columns or more before each render, which takes over a
 second of a processor. The sun's disc, 0.53 degrees, is three of 2048 columns. Where it is as small
-in the HDRI's own pixels, those of the map must begin and end with them: else Cycles looks beside it.
+in the HDRI's own pixels, those of the map must begin and end with them, or Cycles looks beside it.
 """
 
 from __future__ import annotations
