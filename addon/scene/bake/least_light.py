@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from ...choices import BAKED, OPEN
+from ...transport.probed import FINEST
 from .sounding import Sounding
 
 MOST = 4096
@@ -15,11 +16,14 @@ MOST = 4096
 LEAST = 0.5
 """Of the tolerance, is left for light where matrices alone need more."""
 
-AT_MOST = {OPEN: 1.1, BAKED: 1.2}
+AT_MOST = {OPEN: 1.1, BAKED: 1.25}
 """By which factor light is off at most in 19 of 20 random scenes, of what is predicted, …"""
 
+FURTHER = 2.0
+"""… from more rays than all points cast, of which the prediction knows how noise falls alone, …"""
+
 PATCHES = 2.0
-"""… and that of what few patches are off by, which are few in the prediction too."""
+"""… and between few patches, which are fewer in the prediction."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,7 @@ def _levels(found: Sounding) -> list[_Level]:
     """What light there is, from the cheapest on."""
     levels = [_Level(OPEN, 0, True, found.open_sky, AT_MOST[OPEN] * found.open_sky)]
     for rays, noise in _noise(found).items():
-        error, most = noise, AT_MOST[BAKED] * noise
+        error, most = noise, (AT_MOST[BAKED] if rays < FINEST else FURTHER) * noise
         together = math.hypot(error, found.patches), math.hypot(most, PATCHES * found.patches)
         levels.append(_Level(BAKED, rays, True, *together))
         levels.append(_Level(BAKED, rays, False, error, most))
