@@ -67,6 +67,7 @@ def test_one_light_is_exact(scene, tmp_path):
     assert "Cycles traces" in light_group.record_of(scene.world).caption
 
 
+@newest
 def test_a_lamp_lights_by_its_spectrum(scene, tmp_path):
     """A lamp of the color of its spectrum lights as that does; one of another color is told of."""
     scene.world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.0
@@ -147,6 +148,7 @@ def test_other_light_ends_it(scene, tmp_path):
     assert sum(node.type == "OUTPUT_MATERIAL" for node in material.node_tree.nodes) == 1
 
 
+@newest
 def test_a_clipped_sun_is_as_strong_as_estimated(tmp_path):
     """The lamp adds what the HDRI's disc has lost."""
     scene = faces.empty_scene()
@@ -194,6 +196,7 @@ def test_cycles_traces_until_light_is_baked(scene, tmp_path):
     assert not skylight_surface.is_traced(surface)  # another paint does not bring it back
 
 
+@newest
 def test_rgb_beside_it_has_the_color_under_D65(scene, tmp_path):
     """Today's way in traced light: the color under D65 times the sky's."""
     light, _ = traced(scene, tmp_path)
