@@ -133,8 +133,9 @@ def baking(
         values = yield from aside(at, coloured.of, collected, before[0])
         shelf.show_new()
         coloured.write(values)
-        if isinstance(light, SceneLight):
-            world_lights.trace(bpy.context.scene.world, False)  # what Cycles did until now
+        world = bpy.context.scene.world
+        if world is not None and world_lights.is_traced(world):
+            world_lights.trace(world, False)  # what Cycles did until now
         laid_out = {plan.obj.name for plan in plans}
         shelf.clear()
         # Others that were baked before now have the light of what stands here too.
