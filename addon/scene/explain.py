@@ -25,6 +25,7 @@ from ..transfer.assignment import Assignment
 from ..transfer.prediction import rgb_albedo
 from . import out_of_date
 from . import plan as planning
+from .lights import lighting
 from .materials import spectral_material, swatch
 from .materials.assigned import assigned
 from .materials.spectral_material import Managed
@@ -178,12 +179,13 @@ def _of_light(
     """What else shines, what the sockets hold of it, and the color that comes of it all."""
     node = spectral_material.surface_node(own.material)
     assert node is not None  # it is managed
-    for line in (*plan.lights.lines, plan.lights.caption):
+    caption = out_of_date.as_it_is(plan.lights.caption, plan.world)
+    for line in (*plan.lights.lines, caption):
         yield Step("Light", line)
     for name, rgb in own.surface.reflected.items():
         held = np.array(node.inputs[name].default_value)
         if name == skylight_surface.COLOR:  # it follows from the light on the material here
-            if plan.lights.traced:
+            if lighting.is_traced(plan.world):
                 yield Step("Color in traced light", _numbers(held), held.tolist())
             continue
         if np.any(rgb) or held.any():

@@ -64,11 +64,12 @@ def unbaked(scene: bpy.types.Scene) -> list[str]:
 def caption(scene: bpy.types.Scene) -> str:
     """What a picture of a scene must say of its light; empty before any material is spectral."""
     found = light_group.record_of(scene.world)
-    if found is None:
-        return ""
-    if not are_shown(scene):
-        return found.caption
+    return "" if found is None else as_it_is(found.caption, scene.world)
+
+
+def as_it_is(caption: str, world: bpy.types.World) -> str:
+    """Return the caption of a World's light with what materials show until that is baked."""
     if scene_bake.baked():
-        # Until it was there Cycles traced it.
-        return found.caption.replace(lighting.TRACED_LIGHT, lighting.BAKED_LIGHT)
-    return found.caption.replace(lighting.BAKED_LIGHT, NOT_BAKED)
+        return caption
+    until = lighting.TRACED_LIGHT if lighting.is_traced(world) else NOT_BAKED
+    return caption.replace(lighting.BAKED_LIGHT, until)

@@ -46,14 +46,19 @@ def finding(
         with_sun=settings.sun,
         ground=(yield from _ground(scene, known, settings)),
         occlusion=settings.shadows,
-        traced=settings.traced or _waits(scene, settings),
+        traced=settings.traced or _waits(scene, light, settings),
     )
     return (yield from aside(Progress(0.0, "the lights"), find, light, transfer))
 
 
-def _waits(scene: bpy.types.Scene | None, settings: Settings) -> bool:
-    """Whether Cycles renders a scene whose light is not baked yet: it traces it until then."""
+def _waits(scene: bpy.types.Scene | None, light: SkyLight, settings: Settings) -> bool:
+    """Whether Cycles renders a scene whose light is not baked yet: it traces it until then.
+
+    Not where that is another light: the HDRI's, with its sun and its ground.
+    """
     if scene is None or settings.shadows != BAKED or scene.render.engine != "CYCLES":
+        return False
+    if settings.ground not in (AUTO, "hdri") or (light.sun is not None and not settings.sun):
         return False
     return not scene_bake.baked()
 
@@ -61,8 +66,8 @@ def _waits(scene: bpy.types.Scene | None, settings: Settings) -> bool:
 def _ground(scene, known, settings):
     """Return one of `transfer.ground.CHOICES`, or the reflectance (81,) of what lies below."""
     automatic = settings.ground == AUTO
-    if automatic and (settings.shadows == BAKED or settings.traced or scene is None):
-        return "hdri"  # of which a bake, or Cycles, knows how much geometry hides
+    if settings.traced or (automatic and (settings.shadows == BAKED or scene is None)):
+        return "hdri"  # of which Cycles, or a bake, knows how much geometry hides
     if scene is None or not (automatic or settings.ground == "modelled"):
         return settings.ground
     covered, below = yield from sky_exposure.looking_below(list(known))

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import bpy
 
-from ..choices import BAKED
+from ..choices import AUTO, BAKED
 from ..errors import InputError
 from ..grouping import grouped
 from ..progress import Progress
@@ -74,7 +74,7 @@ def _finish(plan: Plan, fresh: list[bpy.types.Material]) -> None:
     world, scenes = plan.world, lighting.scenes_of(plan.world)
     warnings = _follow(plan, fresh) + _of_lamps(plan)
     warnings += lighting.refresh(world)
-    warnings += _not_shown(fresh) + _not_lit(plan)
+    warnings += _not_shown(fresh) + _not_lit(plan) + _not_traced(plan)
     warnings += glass_and_metal.refresh(scenes, plan.light, plan.choice.transfer)
     for scene in scenes:
         warnings += view_transform.refresh(scene, plan.record.level)
@@ -99,7 +99,7 @@ def coloring(plan: Plan) -> Generator[Progress, None, None]:
     scene = bpy.context.scene
     if not plan.lights.traced or scene.world != plan.world:
         return
-    shining = yield from shining_of(plan.world, plan.lights, scene)
+    shining = yield from shining_of(plan.world, plan.lights.with_sun, scene)
     colors = yield from traced_colors.finding(shining, plan.lights.transfer.space)
     for material in spectral_material.managed_materials(plan.world):
         if material.name_full in colors and material.is_editable:
@@ -155,3 +155,10 @@ def _not_lit(plan: Plan) -> list[str]:
     shown = (m for scene in lighting.scenes_of(plan.world) for m in eligibility.materials_of(scene))
     why = "emits light that reaches spectral materials only with all light (baked)"
     return grouped((m.name, why) for m in dict.fromkeys(shown) if eligibility.emits(m))
+
+
+def _not_traced(plan: Plan) -> list[str]:
+    """A line on a ground that is chosen where Cycles traces the HDRI."""
+    if not plan.settings.traced or plan.settings.ground in (AUTO, "hdri"):
+        return []
+    return ["traced light from below is the HDRI's, not that of the chosen ground"]

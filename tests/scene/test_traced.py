@@ -9,8 +9,9 @@ import pytest
 from spectral_skylight.addon import tags
 from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.scene import out_of_date, use_cases
-from spectral_skylight.addon.scene.bake import traced_colors
+from spectral_skylight.addon.scene.bake import scene_bake, traced_colors
 from spectral_skylight.addon.scene.explain import explain
+from spectral_skylight.addon.scene.lights import lighting as lights
 from spectral_skylight.addon.scene.lights import user_lamps
 from spectral_skylight.addon.scene.materials import rgb_comparison, spectral_material
 from spectral_skylight.addon.scene.use_cases import light as lighting
@@ -128,6 +129,24 @@ def test_colors_are_those_in_all_light(scene):
     np.testing.assert_allclose(shown, found["Walls"], atol=1e-6)
 
 
+@newest
+def test_the_side_that_is_seen_counts(scene):
+    """A single face that is turned away has the color in the light on the side that one sees."""
+    bpy.context.object.data.flip_normals()
+    camera = scene.camera
+    camera.data.type, camera.location = "PERSP", (0.0, 0.0, 20.0)
+    bpy.context.view_layer.update()
+    floor = bpy.data.materials["Floor"]
+    light = use_cases.make_spectral(scene, {floor: Assignment("test", GREEN)}, TRACED).light
+    shown = np.array(
+        spectral_material.surface_node(floor).inputs[skylight_surface.COLOR].default_value
+    )
+    of_sky = TRACED.transfer(light).matrices(GREEN) @ light.faces[0] / light.faces[0]
+    np.testing.assert_allclose(shown, of_sky, rtol=5e-3)  # sixteen bands
+    under = TRACED.transfer(light).matrices(GREEN) @ GROUND / GROUND
+    assert np.abs(under - of_sky).max() > 0.03
+
+
 def test_other_light_ends_it(scene, tmp_path):
     """Under the open sky Cycles shows the matrix again; a removed material has one output."""
     own = scene.world.cycles
@@ -194,6 +213,56 @@ def test_cycles_traces_until_light_is_baked(scene, tmp_path):
     np.testing.assert_allclose(baked, seen, rtol=0.01, atol=1e-3)
     traced(scene, tmp_path, settings=Settings())
     assert not skylight_surface.is_traced(surface)  # another paint does not bring it back
+    scene_bake.remove()
+    assert out_of_date.caption(scene) == out_of_date.NOT_BAKED
+
+
+@newest
+def test_it_waits_only_for_the_same_light(scene):
+    """Where Cycles would trace another light than what is to be baked, it shows the open sky; what
+    follows a change has its colors again; a bake for another light does not end what is asked."""
+    scene.render.engine = "CYCLES"
+    floor, given = bpy.data.materials["Floor"], Assignment("test", GREEN)
+    use_cases.make_spectral(scene, {floor: given}, Settings(ground="none"))
+    surface = skylight_surface.find(scene.world)
+    assert not skylight_surface.is_traced(surface)
+    use_cases.make_spectral(scene, {floor: given}, Settings())
+    assert skylight_surface.is_traced(surface)
+    node = spectral_material.surface_node(floor)
+    color = np.array(node.inputs[skylight_surface.COLOR].default_value)
+    work = lighting.following(scene, Settings())
+    while "about" not in next(work).line:  # until the bake begins
+        pass
+    work.close()
+    assert skylight_surface.is_traced(surface)
+    again = node.inputs[skylight_surface.COLOR].default_value
+    np.testing.assert_allclose(again, color, rtol=1e-6)
+    use_cases.make_spectral(scene, {floor: given}, TRACED)
+    lights.show_baked(scene.world)  # as each bake does
+    assert skylight_surface.is_traced(surface)
+
+
+def test_a_sun_switched_off_shines_in_cycles(scene, tmp_path):
+    """Cycles traces the HDRI with sun and ground: so do the colors, and that is said."""
+    towards = directions(256, 512)
+    sky = np.where(towards[..., 2:] > 0, BLUE_SKY, GROUND)
+    sun = np.array([math.cos(0.6), 0.0, math.sin(0.6)])
+    low = np.array([9.0, 5.0, 1.5]) * 2e3
+    sky = np.where((towards @ sun > math.cos(math.radians(0.6)))[..., None], low, sky)
+    write_panorama(tmp_path / "sunny.exr", sky)
+    use_cases.set_sky(scene, tmp_path / "sunny.exr", Settings())
+    floor, given = bpy.data.materials["Floor"], Assignment("test", GREEN)
+    found = []
+    for on in (True, False):
+        ground = "auto" if on else "modelled"  # of which Cycles knows nothing either
+        settings = Settings(occlusion="traced", sun=on, ground=ground)
+        use_cases.make_spectral(scene, {floor: given}, settings)
+        node = spectral_material.surface_node(floor)
+        found.append(np.array(node.inputs[skylight_surface.COLOR].default_value))
+        assert ("shines in Cycles all the same" in out_of_date.caption(scene)) is not on
+        warnings = " ".join(light_group.record_of(scene.world).warnings)
+        assert ("not that of the chosen ground" in warnings) is not on
+    np.testing.assert_allclose(*found, rtol=1e-5)
 
 
 @newest

@@ -46,17 +46,17 @@ class Eye:
         return (ways / np.linalg.norm(ways, axis=1, keepdims=True)).astype(np.float32)
 
 
-def weights(space: Space, eye: Eye | None) -> NDArray[np.float64]:
+def weights(space: Space, eye: Eye | None, side: int = 1) -> NDArray[np.float64]:
     """Return the solid angle of the front of each patch as the eye sees its middle, (patches,).
 
-    Without an eye the area of each.
+    Without an eye the area of each; ``side``: -1 for the back.
     """
     cells = space.cells
     areas = np.bincount(cells.patch, cells.areas, cells.patches)
     if eye is None:
         return areas
     middle = cells.corners[cells.first].mean(axis=1).astype(float)
-    normals = cells.normals[cells.first]
+    normals = side * cells.normals[cells.first]
     to = eye.place - middle
     far = np.maximum(np.linalg.norm(to, axis=1), 1e-9)
     facing = np.einsum("nk,nk->n", to, normals) / far

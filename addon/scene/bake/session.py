@@ -133,9 +133,7 @@ def baking(
         values = yield from aside(at, coloured.of, collected, before[0])
         shelf.show_new()
         coloured.write(values)
-        world = bpy.context.scene.world
-        if world is not None and world_lights.is_traced(world):
-            world_lights.trace(world, False)  # what Cycles did until now
+        world_lights.show_baked(bpy.context.scene.world)
         laid_out = {plan.obj.name for plan in plans}
         shelf.clear()
         # Others that were baked before now have the light of what stands here too.

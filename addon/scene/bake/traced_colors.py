@@ -55,13 +55,22 @@ def finding(
 def _on_kinds(
     radiosity: Radiosity, eye: camera_share.Eye | None, kinds: int
 ) -> NDArray[np.float64]:
-    """The light on each kind of material in bands, (kinds, 16), of any size."""
+    """The light on each kind of material in bands, (kinds, 16), of any size.
+
+    Of what has two sides the one that the eye sees counts: which is the front, Cycles does not ask.
+    """
     cells = radiosity.space.cells
     kind = cells.kind[cells.first]
-    fronts = radiosity.E[: cells.patches].astype(float)
-    found = np.zeros((kinds, fronts.shape[1]))
-    for weight in (camera_share.weights(radiosity.space, each) for each in (None, eye)):
+    views: list[list[tuple[camera_share.Eye | None, int]]] = [[(None, -1)], [(None, 1)]]
+    if eye is not None:
+        views.append([(eye, 1), (eye, -1)])
+    found = np.zeros((kinds, radiosity.E.shape[1]))
+    for seen in views:  # the last that has any light on a material counts
         own = np.zeros_like(found)
-        np.add.at(own, kind, weight[:, None] * fronts)
+        for each, side in seen:
+            light = radiosity.E[radiosity.side == side].astype(float)
+            patch = radiosity.patch[radiosity.side == side]
+            weight = camera_share.weights(radiosity.space, each, side)[patch]
+            np.add.at(own, kind[patch], weight[:, None] * light)
         found[own.any(axis=1)] = own[own.any(axis=1)]
     return found

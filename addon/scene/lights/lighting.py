@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import bpy
 import numpy as np
@@ -88,10 +88,8 @@ class Lights:
     @property
     def caption(self) -> str:
         """What a picture must say as long as not all light is in it."""
-        if self.traced:
-            return TRACED_LIGHT
         shadows = {
-            OPEN: "open sky: no shadows yet",
+            OPEN: TRACED_LIGHT if self.traced else "open sky: no shadows yet",
             BAKED: BAKED_LIGHT,
             DOME: "the sky's shadows are live",
         }[self.occlusion]
@@ -100,7 +98,18 @@ class Lights:
         if self.sun is not None:
             return shadows.replace("no shadows yet", "no shadows but the sun's yet")
         share = f"{100 * self.light.sun_share:.0f} % of this sky's light"
+        if self.traced:
+            return f"{shadows}; the sun ({share}) shines in Cycles all the same"
         return f"{shadows}; the sun ({share}) is not on your materials"
+
+    @property
+    def with_sun(self) -> Lights:
+        """The same with the HDRI's sun, whether a lamp has its light or not."""
+        if self.light.sun is None or self.sun is not None:
+            return self
+        transfer = self.transfer
+        sun = restored_sun(self.light.sun, self.light, transfer.S_in, transfer.white)
+        return replace(self, sun=sun)
 
     def level(self, towards_sun: NDArray[np.float64] | None) -> NDArray[np.float64]:
         """Return the RGB of a white, level face in the open, (3,), sun and sky, as materials are.
@@ -255,6 +264,15 @@ def is_traced(world: bpy.types.World) -> bool:
     """Whether Cycles traces the light of a World's materials itself."""
     surface = skylight_surface.find(world)
     return surface is not None and skylight_surface.is_traced(surface)
+
+
+def show_baked(world: bpy.types.World | None) -> None:
+    """Let Cycles show what is baked where a World's materials do, if it traces it till then."""
+    if world is None or not is_traced(world):
+        return
+    surface = skylight_surface.find(world)
+    if surface is not None and skylight_surface.features_of(surface).sky == BAKED:
+        trace(world, False)
 
 
 def trace(world: bpy.types.World, on: bool) -> None:
