@@ -7,6 +7,7 @@ or rows. The rules for what a reflectance may be are not here: `reflectance` hol
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 
 from ..curves import Table
@@ -64,11 +65,27 @@ def read(path: str | Path) -> Table:
         found = built_in.read(str(path))
         return found.with_said([Said(REFLECTANCE, FRACTION)] * len(found.names))
     path = Path(path)
+    return _read(path, tuple(map(_state, (path, *companions(path)))))
+
+
+@lru_cache(maxsize=1)
+def _read(path: Path, _states: tuple[tuple[int, int], ...]) -> Table:
+    """Read a file once for all its columns, which materials ask for one after another."""
     head = start(path)
-    for module in FORMATS:
-        if module.recognises(path, head):
-            return module.read(path)
-    return read_table(path)
+    module = next((each for each in FORMATS if each.recognises(path, head)), None)
+    table = read_table(path) if module is None else module.read(path)
+    for values in (table.wavelengths, table.values):
+        values.flags.writeable = False
+    return table
+
+
+def _state(path: Path) -> tuple[int, int]:
+    """What tells a file from an earlier one of its name."""
+    try:
+        found = path.stat()
+    except (OSError, ValueError):  # who reads it says what is wrong
+        return (0, 0)
+    return found.st_mtime_ns, found.st_size
 
 
 def companions(path: Path) -> tuple[Path, ...]:
