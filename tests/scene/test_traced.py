@@ -10,6 +10,7 @@ from spectral_skylight.addon import tags
 from spectral_skylight.addon.progress import run
 from spectral_skylight.addon.scene import out_of_date, use_cases
 from spectral_skylight.addon.scene.bake import scene_bake, traced_colors
+from spectral_skylight.addon.scene.day import animate
 from spectral_skylight.addon.scene.explain import explain
 from spectral_skylight.addon.scene.lights import lighting as lights
 from spectral_skylight.addon.scene.lights import user_lamps
@@ -17,6 +18,7 @@ from spectral_skylight.addon.scene.materials import rgb_comparison, spectral_mat
 from spectral_skylight.addon.scene.use_cases import light as lighting
 from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.addon.scene.world.settings import Settings
+from spectral_skylight.addon.scene.world.simulated_sky import SkyPlace
 from spectral_skylight.addon.sky.lat_long import directions
 from spectral_skylight.addon.sky.panorama import write_panorama
 from spectral_skylight.addon.spectra.sensitivities import observer
@@ -215,6 +217,17 @@ def test_cycles_traces_until_light_is_baked(scene, tmp_path):
     assert not skylight_surface.is_traced(surface)  # another paint does not bring it back
     scene_bake.remove()
     assert out_of_date.caption(scene) == out_of_date.NOT_BAKED
+
+
+@newest
+def test_a_day_is_not_traced(scene):
+    """Until all light of a day is baked its plans show the open sky, for colors do not move."""
+    scene.render.engine = "CYCLES"
+    given = {bpy.data.materials["Floor"]: Assignment("test", GREEN)}
+    place = SkyPlace("2025-06-21", "10:30", "Europe/Berlin", 48.1, 11.6)
+    found = run(animate.computing(scene, scene.world, place, 40.0, given, Settings()))
+    assert found.plan.lights.occlusion == "baked"
+    assert not found.plan.lights.traced
 
 
 @newest

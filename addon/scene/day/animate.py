@@ -294,7 +294,10 @@ def computing(
         bpy.data.images.remove(old)
     before, scene.world = scene.world, world
     try:
-        return Moment.of(elevation, sky, planning.make(world, given, settings))
+        plan = planning.make(world, given, settings)
+        # Nor until it is baked: traced light has the colors of one moment.
+        still = replace(plan, lights=replace(plan.lights, traced=False))
+        return Moment.of(elevation, sky, still)
     finally:
         scene.world = before
 
