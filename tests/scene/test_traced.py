@@ -1,6 +1,7 @@
 """Light that Cycles traces by itself, with the color of each material in the light on it."""
 
 import math
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -13,7 +14,7 @@ from spectral_skylight.addon.scene.bake import scene_bake, traced_colors
 from spectral_skylight.addon.scene.day import animate
 from spectral_skylight.addon.scene.explain import explain
 from spectral_skylight.addon.scene.lights import lighting as lights
-from spectral_skylight.addon.scene.lights import user_lamps
+from spectral_skylight.addon.scene.lights import sun_lamp, user_lamps
 from spectral_skylight.addon.scene.materials import rgb_comparison, spectral_material
 from spectral_skylight.addon.scene.use_cases import light as lighting
 from spectral_skylight.addon.scene.world import light_group
@@ -25,7 +26,7 @@ from spectral_skylight.addon.spectra.sensitivities import observer
 from spectral_skylight.addon.transfer.assignment import Assignment
 from spectral_skylight.addon.transfer.prediction import rgb_albedo
 from spectral_skylight.addon.transfer.prefilter import prefiltered
-from spectral_skylight.node_groups import skylight_surface
+from spectral_skylight.node_groups import light_probe, skylight_surface
 from spectral_skylight.tests import faces
 from spectral_skylight.tests.lanes import newest
 
@@ -191,6 +192,21 @@ def test_a_clipped_sun_is_as_strong_as_estimated(tmp_path):
     assert opened.sum() > 1.5 * 0.5 * (light.faces[0] + light.sun.irradiance * sun[2]).sum()
     # What Cycles finds of a disc of some pixels, by chance.
     np.testing.assert_allclose(seen, opened, rtol=0.03)
+    raw = replace(TRACED, camera="Nikon 5100 (NPL)")
+    use_cases.set_sky(scene, tmp_path / "clipped.exr", raw)
+    given = {bpy.data.materials["Floor"]: Assignment("test", np.full(81, 0.5))}
+    light = use_cases.make_spectral(scene, given, raw).light
+    tree = sun_lamp.find(scene, sun_lamp.SUN).data.node_tree
+    whole, lacking = (
+        np.array(node.inputs["Color"].default_value)[:3]
+        for node in tree.nodes
+        if node.type == "EMISSION"
+    )
+    shown = np.pi * raw.transfer(light).to_working @ light.sun.irradiance
+    probe = light_probe.STRENGTH * np.array([1.0, sun_lamp.FAINT, sun_lamp.FAINT])
+    # Float32 of a difference.
+    there = (whole / light_probe.CYCLES_STRENGTH - lacking) * probe
+    np.testing.assert_allclose(there, shown, rtol=1e-3)
 
 
 @newest

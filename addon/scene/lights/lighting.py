@@ -242,7 +242,8 @@ def install(world: bpy.types.World, lights: Lights) -> None:
         if lights.sun is not None:
             sun = lights.light.sun
             assert sun is not None
-            clipped = np.maximum(rgb - sun.irradiance, 0.0) if lights.sun.clipped else None
+            there = lights.transfer.to_working @ sun.irradiance
+            clipped = np.maximum(rgb - there, 0.0) if lights.sun.clipped else None
             sky = float(lights.light.sky.max())
             sun_lamp.place(scene, sun.direction, rgb, sky, clipped)
         else:
