@@ -30,7 +30,7 @@ from .tree import Socket
 from .value import Value, combine_xyz, inputs, outputs
 
 KIND = "Skylight Surface"
-VERSION = 5
+VERSION = 6
 SKY = "Sky"  # the nodes whose Rotation and Strength follow the World
 GROUND = "Ground"
 PROBE = "Probe"
@@ -38,6 +38,9 @@ BAKED = "Baked"
 TRACED = "Traced"  # the node whose value is 1 where Cycles traces the light, else 0
 OLD = "Visibility"  # in its place before version 4: harmonics of what vertices saw of the sky
 ANY = "sun_threshold"  # a number that every World has
+LEAST = 1e-6
+"""By so much more than the World's strength is baked light multiplied: it is kept over that, and
+what lamps and emitters give to it would be lost in a World of strength 0."""
 LIGHTS = {
     "Ground": "light from the ground",
     "Sun": "sunlight",
@@ -187,7 +190,7 @@ def ensure(
         if strength is None or name in steady:
             drive(*at, ANY, factor=0.0, offset=1.0)  # by which the World is known all the same
         else:
-            drive(*at, strength)
+            drive(*at, strength, offset=LEAST if name == BAKED else 0.0)
         if "Rotation" not in node.inputs:
             continue
         if sky_irradiance.ROTATE in inside.nodes:

@@ -84,7 +84,7 @@ def matter(
     by_name = {material.name_full: material for material in bpy.data.materials}
     found = [optics_of(by_name.get(name), transfer) for name in names]
     rho = bands.share([each.reflectance for each in found])
-    emission = bands.light([each.emission / max(strength, 1e-6) for each in found])
+    emission = bands.light([each.emission / strength for each in found])
     cosines = (np.arange(ANGLES) + 0.5) / ANGLES
     through = np.zeros((len(found), ANGLES, rho.shape[1]), np.float32)
     mirrored = np.zeros((len(found), ANGLES), np.float32)

@@ -11,6 +11,7 @@ import numpy as np
 from mathutils import Euler
 from numpy.typing import NDArray
 
+from ....node_groups import skylight_surface
 from ...progress import Progress, aside
 from ...spectra.grid import WEIGHTS
 from ...spectra.sensitivities import cmfs
@@ -121,11 +122,8 @@ def _sky(
 
 
 def strength_of(world: bpy.types.World) -> float:
-    """What the World's light is multiplied by now: its Background's Strength, 1 without one."""
-    sky = worlds.sky_of(world)
-    if sky.background is None:
-        return 1.0
-    return float(world.node_tree.nodes[sky.background].inputs["Strength"].default_value)
+    """What a bake is multiplied by now: a World's strength, and never nothing."""
+    return max(worlds.strength(world), skylight_surface.LEAST)
 
 
 def _luminance(transfer: Transfer) -> NDArray[np.float64]:
@@ -139,7 +137,7 @@ def _lamps(lamps: Lamps, bands, transfer, strength) -> list[Direct]:
     """The scene's own lamps, as Blender has their light (irradiance of power P at distance r:
     P / (4 pi r²); a sun's energy is irradiance)."""
     found = []
-    sizes = luminance(lamps.colours, transfer) / max(strength, 1e-6)
+    sizes = luminance(lamps.colours, transfer) / strength
     for one, kind, size in zip(
         lamps.shining, lamps.classes.assignment.tolist(), sizes.tolist(), strict=True
     ):

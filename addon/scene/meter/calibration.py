@@ -48,7 +48,7 @@ def find(world: bpy.types.World, light: SceneLight, told: Told | None = None) ->
     above 0, and for a spot or a level without light.
     """
     told = told or Told(lux=kept_lux(world))
-    sources, strength = light.sources, light.strength
+    sources, strength = light.sources, hdri.strength(world)
     if told.lux is not None:
         lux = _above_0("lux", told.lux)
         level = quantity("illuminance").row_on(level_spectrum(sources)[:, None])[0] * strength
