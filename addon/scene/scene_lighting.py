@@ -32,7 +32,9 @@ def finding(
 
     The ground is chosen by what stands in the World's scene. Raises InputError as `lighting.find`.
     """
-    scene = next(iter(lighting.scenes_of(world)), None)
+    scene = bpy.context.scene  # whose geometry is looked at
+    if scene.world != world:
+        scene = next(iter(lighting.scenes_of(world)), None)
     known = dict(reflectances)
     for material in spectral_material.managed_materials(world):
         if material not in known:

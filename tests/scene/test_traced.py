@@ -14,8 +14,9 @@ from spectral_skylight.addon.scene.bake import scene_bake, traced_colors
 from spectral_skylight.addon.scene.day import animate
 from spectral_skylight.addon.scene.explain import explain
 from spectral_skylight.addon.scene.lights import lighting as lights
-from spectral_skylight.addon.scene.lights import sun_lamp, user_lamps
+from spectral_skylight.addon.scene.lights import rendered_lamps, sun_lamp, user_lamps
 from spectral_skylight.addon.scene.materials import rgb_comparison, spectral_material
+from spectral_skylight.addon.scene.output import render as renderer
 from spectral_skylight.addon.scene.use_cases import light as lighting
 from spectral_skylight.addon.scene.world import light_group
 from spectral_skylight.addon.scene.world.settings import Settings
@@ -244,6 +245,21 @@ def test_a_day_is_not_traced(scene):
     found = run(animate.computing(scene, scene.world, place, 40.0, given, Settings()))
     assert found.plan.lights.occlusion == "baked"
     assert not found.plan.lights.traced
+
+
+@newest
+def test_the_open_scene_counts_of_two_under_one_world(scene):
+    """Another one, that no window has shown yet, renders with Eevee and has a lamp."""
+    other = bpy.data.scenes.new("A")
+    other.world, other.render.engine = scene.world, renderer.engine_id("eevee")
+    other.collection.objects.link(bpy.data.objects.new("Lamp", bpy.data.lights.new("L", "POINT")))
+    assert lights.scenes_of(scene.world)[0] == other
+    assert [one.name for one in rendered_lamps.of_scene(other)] == ["Lamp"]
+    scene.render.engine = "CYCLES"
+    given = {bpy.data.materials["Floor"]: Assignment("test", GREEN)}
+    use_cases.make_spectral(scene, given, Settings())
+    assert lights.is_traced(scene.world)
+    assert not any(obj.get(tags.LAMP) == user_lamps.TWIN for obj in scene.objects)
 
 
 @newest

@@ -69,6 +69,9 @@ def followed(twin: bpy.types.Object) -> bpy.types.Object | None:
 def _rendered(scene: bpy.types.Scene) -> dict[bpy.types.Object, bool]:
     """The objects that renders show, in the order of the scene, and whether all view layers do."""
     layers = [layer for layer in scene.view_layers if layer.use] or list(scene.view_layers)
+    for layer in layers:
+        if layer.layer_collection is None:
+            layer.update()  # of a scene that a script has made and no window has shown
     shown = [set(_in_layer(layer.layer_collection)) for layer in layers]
     return {
         obj: all(obj in each for each in shown)
