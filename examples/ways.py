@@ -35,14 +35,14 @@ WAYS: dict[str, Way] = {
     **{f"Ours, {n} rays, in Cycles": ours(AUTO, "cycles", n) for n in RAYS},
     **{f"Cycles RGB in Rec.2020, {n} samples": rgb(n, wide=True) for n in (64, 1024)},
     **{f"Ours, traced, {n} samples": traced(n) for n in (16, 64, 256, 1024)},
-    **{f"Ours, traced, {n} samples, denoised": traced(n, True) for n in (16, 64, 256)},
+    **{f"Ours, traced, {n} samples, denoised": traced(n, True) for n in (16, 32, 64, 256)},
     **{f"Ours, traced in Rec.2020, {n} samples": traced(n, wide=True) for n in (64, 256, 1024)},
     **{
         f"Ours, traced in Rec.2020, {n} samples, denoised": traced(n, True, wide=True)
         for n in (16, 64)
     },
     **{f"Cycles RGB, {n} samples": rgb(n) for n in (16, 256, 4096)},
-    **{f"Cycles RGB, {n} samples, denoised": rgb(n, True) for n in (1024,)},
+    **{f"Cycles RGB, {n} samples, denoised": rgb(n, True) for n in (32, 1024)},
     **{
         f"Cycles RGB in Rec.2020, {n} samples, denoised": rgb(n, True, wide=True) for n in (16, 256)
     },
