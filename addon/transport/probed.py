@@ -95,10 +95,9 @@ class Places:
         return Places(self.at[chosen], self.normals[chosen], self.cell[chosen])
 
 
-def seen_along(space: Space, eye: NDArray, ways: NDArray[np.float32]) -> Places:
-    """Return what rays (n, 3) from an eye (3,) meet first, for those that meet anything."""
+def seen_along(space: Space, starts: NDArray[np.float32], ways: NDArray[np.float32]) -> Places:
+    """Return what rays (n, 3) from some starts (n, 3) meet first, for those that meet anything."""
     cells = space.cells
-    starts = np.repeat(np.asarray(eye, np.float32)[None], len(ways), axis=0)
     met = space.caster.first_hits(starts, ways)
     found = np.flatnonzero(met >= 0)
     cell, ways = met[found], ways[found]

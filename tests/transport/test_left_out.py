@@ -9,6 +9,7 @@ from spectral_skylight.addon.scene.bake.camera_share import Eye, weights
 from spectral_skylight.addon.transfer.measures import delta_E
 from spectral_skylight.addon.transport.bands import COUNT
 from spectral_skylight.addon.transport.left_out import left_out
+from spectral_skylight.addon.transport.probed import seen_along
 from spectral_skylight.tests import faces
 from spectral_skylight.tests.transport.rooms import DARK, SKY, box, matter, radiosity, solved
 
@@ -72,5 +73,18 @@ def test_what_the_camera_sees_counts_by_its_solid_angle():
     assert found.sum() == pytest.approx(exact, rel=0.01)
     assert not found[space.cells.triangle[space.cells.first] >= 2].any()
     np.testing.assert_allclose(weights(space, None).sum(), 12.0, rtol=1e-5)
+    camera.data.type, camera.data.ortho_scale = "ORTHO", 4.0
+    scene.render.resolution_x, scene.render.resolution_y = 200, 100  # 4 wide, 2 high
+    bpy.context.view_layer.update()
+    flat = Eye.of(scene, np.array([10.0, 0.0, 0.0]))
+    np.testing.assert_allclose(weights(space, flat).sum(), 4.0, rtol=1e-5)
+    starts, ways = flat.looking(1000)
+    np.testing.assert_allclose(ways, np.broadcast_to([0.0, 0.0, -1.0], ways.shape), atol=1e-6)
+    # Half of the picture, and an eighth of it what looks away.
+    assert len(seen_along(space, starts, ways).at) == pytest.approx(
+        625, abs=25
+    )  # with what looks away
+    camera.data.type = "PANO"
+    assert Eye.of(scene, np.zeros(3)) is None
     scene.camera = None
     assert Eye.of(scene, np.zeros(3)) is None

@@ -101,7 +101,7 @@ def _places(space: Space, eye: camera_share.Eye | None, counts: NDArray[np.bool_
     if eye is None:
         areas = np.bincount(cells.patch, cells.areas, cells.patches)
         return spread(space, areas * counts[cells.kind[cells.first]])
-    places = seen_along(space, eye.place, eye.looking(LOOKS))
+    places = seen_along(space, *eye.looking(LOOKS))
     chosen = np.flatnonzero(counts[cells.kind[places.cell]])
     # Where little of the picture counts, all that was met; else evenly chosen ones.
     return places.part(chosen[:: -(-len(chosen) // PLACES) or 1])
