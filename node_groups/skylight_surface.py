@@ -134,7 +134,8 @@ def features_of(tree: bpy.types.NodeTree) -> Features:
 
 def trace(tree: bpy.types.NodeTree, on: bool) -> None:
     """Let Cycles trace the light of a `Skylight Surface` group, or show that of its World."""
-    tree.nodes[TRACED].outputs[0].default_value = float(on)
+    if is_traced(tree) != on:  # a value that is written makes Blender draw anew
+        tree.nodes[TRACED].outputs[0].default_value = float(on)
 
 
 def is_traced(tree: bpy.types.NodeTree) -> bool:

@@ -51,6 +51,7 @@ def write(plan: Plan) -> Generator[Progress, None, list[Result]]:
             glass_and_metal.glaze(material, pane)
     finally:
         _finish(plan, [one.material for one in written])
+    yield from _coloring(plan)
     return [one.result for one in written]
 
 
@@ -94,7 +95,7 @@ def relighting(plan: Plan) -> Generator[Progress, None, list[str]]:
     return (yield from scene_bake.relighting(shining))
 
 
-def coloring(plan: Plan) -> Generator[Progress, None, None]:
+def _coloring(plan: Plan) -> Generator[Progress, None, None]:
     """Give materials whose light Cycles traces their colors in that light, in the active scene."""
     scene = bpy.context.scene
     if not plan.lights.traced or scene.world != plan.world:

@@ -42,10 +42,15 @@ BLUE_SKY, GROUND = np.array([0.3, 0.5, 0.9]), np.array([0.12, 0.12, 0.12])
 @pytest.fixture
 def scene(tmp_path):
     """A floor 8 wide seen from above, a quarter of its picture, under an even blue sky."""
-    scene = faces.empty_scene()
     up = directions(32, 64)[..., 2:] > 0
-    write_panorama(tmp_path / "sky.exr", np.where(up, BLUE_SKY, GROUND))
-    use_cases.set_sky(scene, tmp_path / "sky.exr", Settings())
+    return floor_under(np.where(up, BLUE_SKY, GROUND), tmp_path)
+
+
+def floor_under(sky, folder):
+    """A floor of a material, 4 of its 8 m seen from above, under a sky (h, 2 h, 3)."""
+    scene = faces.empty_scene()
+    write_panorama(folder / "sky.exr", sky)
+    use_cases.set_sky(scene, folder / "sky.exr", Settings())
     bpy.ops.mesh.primitive_plane_add(size=8)
     bpy.context.object.data.materials.append(bpy.data.materials.new("Floor"))
     faces.watch(scene, (0.0, 0.0), 4.0)
@@ -175,18 +180,11 @@ def test_other_light_ends_it(scene, tmp_path):
 @newest
 def test_a_clipped_sun_is_as_strong_as_estimated(tmp_path):
     """The lamp adds what the HDRI's disc has lost."""
-    scene = faces.empty_scene()
     towards = directions(256, 512)
     sky = np.where(towards[..., 2:] > 0, BLUE_SKY, GROUND)
     sun = np.array([math.cos(0.9), 0.0, math.sin(0.9)])
     sky = np.where((towards @ sun > math.cos(math.radians(0.6)))[..., None], 400.0, sky)
-    write_panorama(tmp_path / "clipped.exr", sky)
-    use_cases.set_sky(scene, tmp_path / "clipped.exr", Settings())
-    bpy.ops.mesh.primitive_plane_add(size=8)
-    bpy.context.object.data.materials.append(bpy.data.materials.new("Floor"))
-    faces.watch(scene, (0.0, 0.0), 4.0)
-    scene.render.resolution_x = scene.render.resolution_y = 8
-    scene.cycles.samples = 256
+    scene = floor_under(sky, tmp_path)
     light, seen = traced(scene, tmp_path, np.full(81, 0.5))
     assert light.sun is not None
     assert "clips" in " ".join(light_group.record_of(scene.world).lights)
@@ -195,7 +193,7 @@ def test_a_clipped_sun_is_as_strong_as_estimated(tmp_path):
     # What Cycles finds of a disc of some pixels, by chance.
     np.testing.assert_allclose(seen, opened, rtol=0.03)
     raw = replace(TRACED, camera="Nikon 5100 (NPL)")
-    use_cases.set_sky(scene, tmp_path / "clipped.exr", raw)
+    use_cases.set_sky(scene, tmp_path / "sky.exr", raw)
     given = {bpy.data.materials["Floor"]: Assignment("test", np.full(81, 0.5))}
     light = use_cases.make_spectral(scene, given, raw).light
     tree = sun_lamp.find(scene, sun_lamp.SUN).data.node_tree

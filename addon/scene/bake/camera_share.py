@@ -56,9 +56,7 @@ class Eye:
         ends = ends @ back.T
         seen = ends[:, :3] / ends[:, 3:]
         starts = self.seen_from(seen)
-        ways = seen - starts
-        if self.axis is not None:
-            ways = np.broadcast_to(self.axis, ways.shape)
+        ways = seen - starts if self.axis is None else np.broadcast_to(self.axis, seen.shape)
         ways = ways / np.linalg.norm(ways, axis=1, keepdims=True)
         return starts.astype(np.float32), ways.astype(np.float32)
 

@@ -26,7 +26,7 @@ from ..outcome import Outcome
 from ..plan import Assignments
 from ..world import light_group, panorama
 from ..world.settings import Settings
-from ..write import coloring, write
+from ..write import write
 from .materials import editable, given_before, in_scene, making_spectral, updating
 from .world import developing
 
@@ -188,9 +188,7 @@ def _showing(scene: bpy.types.Scene, settings: Settings) -> Generator[Progress, 
     """Let materials show what they have by these settings; returns lines."""
     chosen, lines = editable(in_scene(scene))
     world = yield from developing(scene, settings)
-    plan = yield from planning.making(world, given_before(chosen), settings)
-    yield from write(plan)
-    yield from coloring(plan)
+    yield from write((yield from planning.making(world, given_before(chosen), settings)))
     return lines
 
 

@@ -30,7 +30,7 @@ from ..materials.record import Result
 from ..outcome import Everything, Outcome
 from ..plan import Assignments
 from ..world.settings import Settings
-from ..write import coloring, relighting, write
+from ..write import relighting, write
 from .world import developing
 
 
@@ -59,7 +59,6 @@ def making_spectral(
     world = yield from developing(scene, settings)
     plan = yield from planning.making(world, given, settings)
     results = yield from write(plan)
-    yield from coloring(plan)
     lines = (yield from relighting(plan)) if relight else []
     return Outcome(plan.light, results, lines=lines)
 
